@@ -104,7 +104,9 @@ def test_a_range_may_end_where_the_parameter_does_and_without_one_no_estimate_go
     most = bound("tip.bearing_friction")
     for more in (f", range: [0, {0.999 * most}]", ""):
         text = MAP.replace("NAME", "tip.bearing_friction").replace("REST", f"start: 0.2, sd: 0.1{more}")
-        (high,) = Twin(scene(0.1), text).estimate.horizon.high
+        twin = Twin(scene(0.1), text)
+        (unknown,) = twin.plan.unknowns
+        high = unknown.high
         assert high == pytest.approx(0.999 * most if more else most)
 
 

@@ -188,7 +188,7 @@ def test_two_drums_that_would_each_hold_with_a_strong_one_beside_it_are_told_wha
     law = f"law: {{efficiency: {eta}}}"
     found = told(block(2, law, (braked(each), braked(each))))
     assert sorted(found) == ["path[0]", "path[4]"]
-    rest = eta * (WEIGHT * RADIUS - 1.02 * each / eta)
+    rest = eta * (WEIGHT * RADIUS - each / 0.98 / eta)
     assert list(found.values()) == pytest.approx([rest, rest], rel=2e-3)
     assert fallen(block(2, law, (braked(each), braked(each)))) > 0.1
     # Half of the weight each, less eta at their tips, holds it; so does one that has the rest.
@@ -196,6 +196,59 @@ def test_two_drums_that_would_each_hold_with_a_strong_one_beside_it_are_told_wha
     one = block(2, law, (braked(1.04 * rest), braked(each)))
     for scene in (both, one):
         assert not told(scene) and abs(fallen(scene)) < 1e-3
+
+
+@pytest.mark.parametrize("share", [1.01, 1.0, 0.99, 0.981, 0.9804, 0.9803, 0.9801])
+def test_what_a_drum_is_to_hold_grows_evenly_as_the_other_comes_to_lack_the_two_percent_that_it_may(share):
+    """As the other may hold M / (R eta 0.98) of the weight at most, down to all that it needs beside a strong one."""
+    eta = 0.8
+    alone = WEIGHT * RADIUS * eta**2 / (1.0 + eta)
+    law, weak, other = f"law: {{efficiency: {eta}}}", braked(0.5 * alone), braked(share * alone)
+    rest = eta * (WEIGHT * RADIUS - share * alone / 0.98 / eta)
+    assert told(block(2, law, (weak, other))) == {"path[0]": pytest.approx(rest, rel=1e-3)}
+    assert told(block(2, law, (other, weak))) == {"path[4]": pytest.approx(rest, rel=1e-3)}
+
+
+def heavy(tip, mass):
+    """A load on one fall of rope with kg/m over a sheave of 4 m, which bears a good part of it."""
+    text = one_fall_text(tip).replace("mass_per_length: 0.001", f"mass_per_length: {mass}")
+    return text.replace("radius: 0.3", "radius: 2").replace("[10.3, 0, 0]", "[12, 0, 0]")
+
+
+@pytest.mark.parametrize("mass", [5.0, 30.0])
+@pytest.mark.parametrize("law", ["law: frictionless", "inertia: 5, law: capstan, friction: 0.1"])
+def test_where_no_friction_helps_a_brake_holds_a_heavy_rope_as_it_would_hang_plumb_from_the_drum_down(law, mass):
+    """What hangs below the tangent point of the drum: rope on the way up and as much on the way down weigh nothing."""
+    text = heavy(law, mass)
+    below = float(estimate(tautline.read(text)).path.tangents[0, 0, 2])
+    hangs = WEIGHT + mass * GRAVITY * below
+    scene = tautline.read(text)
+    assert needed(scene) == pytest.approx(hangs * RADIUS, rel=2e-4)
+    (one,) = [one for one in Crane().warnings(scene) if "does not hold the load" in one.text]
+    assert "with the friction of the sheaves" not in one.text
+    # A winch that stands still has that tension in a run, of a rope with elements enough to sag.
+    text = text.replace("elements_per_span: 1}", "elements_per_span: 10}")
+    winch = tautline.read(text.replace(DRIVE, "pay_out: 0") + "start: static\n")
+    assert float(np.asarray(tautline.simulate(winch)["tension"])[-1, 0, 0]) == pytest.approx(hangs, rel=1e-3)
+
+
+def written_from_its_end(text):
+    """The same rope with its path written from the load to the drum."""
+    head, rest = text.split("path:\n")
+    lines = rest.split("\n")
+    return "\n".join([f"{head}path:", *lines[2::-1], *lines[3:]])
+
+
+def test_a_heavy_rope_on_a_sheave_with_friction_takes_the_same_brake_from_whichever_end_the_path_is_written():
+    """dT / dtheta = T ln q / Theta + w: what hangs on the sheave itself grows by (q - 1) / ln q, whichever way."""
+    eta, mass = 0.8, 60.0
+    text = heavy(f"law: {{efficiency: {eta}}}", mass)
+    (a, b), (c, d) = estimate(tautline.read(text)).path.tangents[:, :, 2]
+    q = 1.0 / eta
+    top = WEIGHT + mass * GRAVITY * (c - d)
+    at_drum = (top - mass * GRAVITY * (c - b) * (q - 1.0) / math.log(q)) / q - mass * GRAVITY * (b - a)
+    for one in (text, written_from_its_end(text)):
+        assert needed(tautline.read(one)) == pytest.approx(at_drum * RADIUS, rel=5e-4)
 
 
 def two_blocks(near, far, eta):

@@ -181,7 +181,7 @@ def _pull(scene: CraneScene, path: Path, drum: Drum, tension: np.ndarray, other:
     if carries_nothing(scene):
         far = (-1, 1) if drum is scene.path[0] else (0, 0)
         return float((tension[far] - offset[far]) / ratio[far])
-    least = _least_at_rest(scene, path, drum, math.inf if other is None else other.most * (1.0 + SURE))
+    least = _least_at_rest(scene, path, drum, math.inf if other is None else other.most / (1.0 - SURE))
     if least is None:
         # The loads move whatever the drum does.
         least = balance(scene, path, ratio, offset)
@@ -191,9 +191,9 @@ def _pull(scene: CraneScene, path: Path, drum: Drum, tension: np.ndarray, other:
 def _least_at_rest(scene: CraneScene, path: Path, drum: Drum, far: float) -> float | None:
     """Least tension at a drum with which all loads rest and no sheave is beyond what it holds, N: a linear programme.
 
-    Unknown is the tension T_k where span k begins, (spans,). At a sheave neither side has more than its ratio times
-    the other; the lift of all T is each body's load; at the other end of the rope no more than ``far`` N is held.
-    None where no tensions do all that.
+    Unknown is the tension T_k where span k begins, (spans,). At the middle of a sheave, with half of the weight of the
+    rope on it to either side, no side has more than its ratio times the other; the lift of all T is each body's load;
+    at the other end of the rope no more than ``far`` N is held. None where no tensions do all that.
     """
     # Only few scenes have a drum that is to hold: others need not wait for this import.
     from scipy.optimize import linprog
@@ -203,8 +203,8 @@ def _least_at_rest(scene: CraneScene, path: Path, drum: Drum, far: float) -> flo
     size = float(np.linalg.norm(g))
     if size == 0.0 or not bodies:
         return None
-    rise, up = np.diff(rope_weight(scene, path), axis=1)[:, 0], -g / size
-    unit = np.eye(n)
+    weight, up, unit = rope_weight(scene, path), -g / size, np.eye(n)
+    rise = weight[:, 1] - weight[:, 0]
     share = np.array([[lift(scene, path, body, np.stack([one, one], axis=1), up) for one in unit] for body in bodies])
     hangs = np.stack([np.zeros(n), rise], axis=1)
     load = np.array([load_of(scene, body) - lift(scene, path, body, hangs, up) for body in bodies])
@@ -212,14 +212,15 @@ def _least_at_rest(scene: CraneScene, path: Path, drum: Drum, far: float) -> flo
     for i in range(1, n):
         q = _held(scene, path, i)
         rows += [unit[i] - q * unit[i - 1], unit[i - 1] - q * unit[i]]
-        limits += [q * rise[i - 1], -rise[i - 1]]
+        on_sheave = _grown(q, weight[i, 0] - weight[i - 1, 1])
+        limits += [q * rise[i - 1] + on_sheave, -rise[i - 1] - on_sheave]
     first = drum is scene.path[0]
     near, beyond = (0, n - 1) if first else (n - 1, 0)
     if math.isfinite(far):
         rows.append(unit[beyond])
         limits.append(far - (rise[beyond] if first else 0.0))
-    # In units of the load, which is what the tolerances of the method are for.
-    scale = float(np.abs(load).max())
+    # In units of the load, or of a rope that is heavier, which is what the tolerances of the method are for.
+    scale = float(max(np.abs(load).max(), np.abs(rise).max()))
     if scale == 0.0:
         return None
     found = linprog(
@@ -247,8 +248,16 @@ def _along(weight: np.ndarray, ratios: Sequence[float]) -> tuple[np.ndarray, np.
         # Every second step leads over a sheave.
         grows = ratios[j // 2] if j % 2 else 1.0
         share.append(share[-1] * grows)
-        more.append(more[-1] * grows + float(rise))
+        more.append(more[-1] * grows + _grown(grows, float(rise)))
     return np.array(share), np.array(more)
+
+
+def _grown(ratio: float, weight: float) -> float:
+    """What the weight of rope along a sheave adds to the tension that comes in times the ratio, N.
+
+    Of weight that is spread evenly the ratio works, in the mean, on half. So the same holds from either end.
+    """
+    return 0.5 * (1.0 + ratio) * weight
 
 
 def _held(scene: CraneScene, path: Path, i: int) -> float:
