@@ -18,10 +18,8 @@ from crane.assembly.loads import buoyancy_of, displacement_of, pull, wet_share
 from crane.groups.immersion import EDGE
 from crane.scene.bodies import Body
 from crane.scene.scene import CraneScene
-from crane.scene.surroundings import SeaMotion
-from crane.sea.frames import MOTIONS
+from crane.sea.waves import waves_of
 from tautline.results.variable import at_start
-from tautline.scene.functions import Spectrum
 from tautline.scene.solver import step_taken
 from tautline.scene.values.ranges import sized
 
@@ -172,12 +170,14 @@ def at_the_surface(found: Estimate) -> Iterator[tuple[str, str]]:
     scene = found.scene
     spans = hoisted_spans(scene)
     _, time, taken = reeled_of(scene)
-    way = np.array([0.0]) if not spans else taken / len(spans)
+    way, waves = np.array([0.0]) if not spans else taken / len(spans), waves_of(scene)
     for k, body in enumerate(scene.bodies):
         if body.height is None:
             continue
         lows = _height(scene, body.lowest + way)
-        if not ((lows < 0.0) & (lows > -body.height)).any():
+        # Where waves reach it as well.
+        crest = 0.0 if waves is None else waves.highest()
+        if not ((lows < crest) & (lows > -body.height - crest)).any():
             continue
         deepest = wet_share(scene, body, body.position[2] + float(way.min())) * displacement_of(scene, body)
         if buoyancy_of(scene, body) < body.mass < deepest:
@@ -186,13 +186,15 @@ def at_the_surface(found: Estimate) -> Iterator[tuple[str, str]]:
                 f"has {body.mass:.4g} kg. Its rope goes slack. Give it less volume or more mass"
             )
             yield f"bodies[{k}]", text
-        if _in_a_sea(scene):
+        if waves is None and scene.vessel is not None and scene.vessel.sea is not None:
             text = (
                 f"{body.name} is in the water's surface, and the surface stays level here: the sea moves the vessel "
-                "only. Waves load such a body, and often decide whether it may be lifted. Judge that by other means"
+                "only. Waves load such a body, and often decide whether it may be lifted. Give `water:` the waves: "
+                "{elevation: vessel}"
             )
             yield f"bodies[{k}]", text
         speed = float(np.abs(np.gradient(way, time)).max()) if way.size > 1 else 0.0
+        speed += 0.0 if waves is None else waves.fastest()
         step = step_taken(scene.solver, scene.output.interval)
         if not scene.controlled and speed * step > EDGE * body.height:
             text = (
@@ -200,12 +202,6 @@ def at_the_surface(found: Estimate) -> Iterator[tuple[str, str]]:
                 f"takes hold of it within {EDGE:.0%} of its height. Take {EDGE * body.height / speed:.1g} s or less"
             )
             yield "solver.step", text
-
-
-def _in_a_sea(scene: CraneScene) -> bool:
-    """Whether waves move the vessel."""
-    motion: Any = None if scene.vessel is None else scene.vessel.motion
-    return isinstance(motion, SeaMotion) or any(isinstance(getattr(motion, name, None), Spectrum) for name in MOTIONS)
 
 
 def heights_of(scene: CraneScene) -> dict[str, dict[str, str]]:
