@@ -80,8 +80,8 @@ def doubts_of_waves(elevation: Any, waves: Waves) -> Iterator[tuple[str, str]]:
         if 2.0 * abs(term.amplitude) > most:
             period = TURN / float(frequency[0])
             text = (
-                f"waves of a period of {period:.4g} s are {most:.3g} m high at most, for higher ones break (Miche, 1944)."
-                f" This one is {2.0 * abs(term.amplitude):.4g} m high, from trough to crest"
+                f"waves of a period of {period:.4g} s are {most:.3g} m high at most, for higher ones break (Miche, "
+                f"1944). This one is {2.0 * abs(term.amplitude):.4g} m high, from trough to crest"
             )
             yield f"{key}harmonic.amplitude", text
     if waves.ramp == 0.0:
