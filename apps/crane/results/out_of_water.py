@@ -162,7 +162,8 @@ def comes_through(result: Any, scene: CraneScene) -> bool:
 
 def _shares(scene: CraneScene, body: Body, z: Any) -> np.ndarray:
     """Shares of a body's height below the level of the water, by heights of its position, m."""
-    return np.clip((body.bottom - _height(scene, z)) / body.height, 0.0, 1.0)
+    assert body.height is not None
+    return np.asarray(np.clip((body.bottom - _height(scene, z)) / body.height, 0.0, 1.0))
 
 
 def at_the_surface(found: Estimate) -> Iterator[tuple[str, str]]:

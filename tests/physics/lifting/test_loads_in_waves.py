@@ -27,7 +27,11 @@ from scipy.optimize import brentq
 
 import tautline
 from crane.application import Crane
+from crane.operability.conditions import Condition, sea_keys
+from crane.sea.waves import waves_of
 from tautline.scene.errors import SceneError
+from tautline.scene.functions import Spectrum
+from tautline.system.time_functions import jonswap
 
 PERIOD, SIZE = 7.0, 0.8
 TURN = 2.0 * np.pi / PERIOD
@@ -161,6 +165,19 @@ def test_the_waves_of_a_vessel_are_those_that_it_answers():
     assert heave == pytest.approx(0.4 * found["surface_elevation"][:, 0], abs=1e-9) and np.ptp(heave) > 0.2
 
 
+def test_the_force_of_a_sea_on_a_load_below_it_has_the_spectrum_of_linear_theory():
+    sea = {"significant_height": 0.4, "peak_period": 7.0, "ramp": 20.0, "seed": 2, "components": 100}
+    scene = in_waves(lifted(0.0, -6.0, 320.0, 0.02, added_mass=[0, 0, ADDED]), {"elevation": {"spectrum": sea}})
+    scene["bodies"][0]["guide"] = ["x", "y"]
+    found = ran(scene)
+    late = settled(found, 20.0)
+    amplitude, frequency, _ = jonswap(Spectrum(**sea))
+    assert found["surface_elevation"][late].std() == pytest.approx(0.1, rel=0.05)
+    decay = np.exp(-(frequency**2) / GRAVITY * (6.0 + BOTTOM - 0.5 * HEIGHT))
+    deviation = (DISPLACED + ADDED) * np.sqrt(0.5 * ((amplitude * frequency**2 * decay) ** 2).sum())
+    assert found["tension"][late, 0, 1].std() == pytest.approx(deviation, rel=0.05)
+
+
 def test_water_of_waves_of_no_height_is_still():
     scene = sprung(2.0, -6.0, 4.0, 4.0e4, added_mass=[0, 0, ADDED], drag={"quadratic": [0, 0, DRAG]})
     still, flat = ran(scene), ran(in_waves(scene, wave(0.0)))
@@ -222,6 +239,35 @@ def test_a_vessel_whose_responses_know_no_direction_asks_for_that_of_the_waves()
     scene = in_waves(lifted(0.0, -1.0) | {"vessel": vessel}, {"elevation": "vessel"})
     with pytest.raises(SceneError, match="in which direction the waves run"):
         tautline.read(scene)
+
+
+def test_a_vessel_whose_sea_acts_on_the_load_is_not_driven_from_outside():
+    sea = {"significant_height": 1.0, "peak_period": 8.0, "ramp": 10.0}
+    vessel = {"reference": [0, 0, 0], "motion": {"heave": {"spectrum": sea}}}
+    scene = in_waves(lifted(0.0, -1.0) | {"vessel": vessel}, {"elevation": "vessel", "direction": 0.0})
+    assert not [name for name in tautline.Simulation(scene).inputs if name.startswith("vessel.")]
+    with pytest.raises(SceneError, match="is driven from outside"):
+        tautline.Simulation(scene, inputs=["vessel.heave"])
+
+
+def at_sea(waves):
+    motion = {"heave": {"spectrum": {"significant_height": 1.0, "peak_period": 8.0, "rao": 0.4}}}
+    vessel = {"reference": [0, 0, 0], "motion": motion}
+    return tautline.read(in_waves(lifted(0.0, -1.0) | {"vessel": vessel}, waves))
+
+
+def test_the_waves_on_a_load_follow_the_sea_states_of_operability():
+    scene = at_sea({"elevation": "vessel", "direction": 0.0})
+    changes = sea_keys(scene, headings=False).changes(Condition(2.4, 11.0, None), 7)
+    storm = waves_of(scene.replace(changes))
+    assert np.sqrt(0.5 * (storm.amplitude**2).sum()) == pytest.approx(0.6, rel=1e-9)
+    peak = storm.frequency[storm.amplitude.argmax()]
+    assert peak == pytest.approx(2.0 * np.pi / 11.0, rel=0.05)
+
+
+def test_waves_of_their_own_are_no_sea_state_of_operability():
+    with pytest.raises(SceneError, match="operability varies the sea of the vessel"):
+        sea_keys(at_sea(wave(ramp=8.0)), headings=False)
 
 
 def test_check_tells_of_waves_that_break_and_of_a_sudden_sea():
