@@ -26,19 +26,19 @@ class Hooks:
         self.system = assemble(groups, degrees, compile_functions([]), np.zeros(size), stencils, stencils)
         self.linked, self.order = link(groups, *SUMS), np.argsort(self.system.free)
 
-    def residual(self, q, v, a):
+    def residual(self, q, v, a, t=0.0):
         """Residual (n,)."""
         r = np.zeros(len(q))
-        _residual(self.linked, *_vectors(q, v, a), r)
+        _residual(self.linked, float(t), *_vectors(q, v, a), r)
         return r
 
     def _matrix(self):
         return new_matrix(self.system.size, self.system.bandwidth, self.system.border)
 
-    def tangent(self, q, v, a, cm, cc, ck):
+    def tangent(self, q, v, a, cm, cc, ck, t=0.0):
         """cm dr/da + cc dr/dv + ck dr/dq (n, n)."""
         matrix = self._matrix()
-        _tangent(self.linked, *_vectors(q, v, a), float(cm), float(cc), float(ck), matrix, self.system.dofs)
+        _tangent(self.linked, float(t), *_vectors(q, v, a), float(cm), float(cc), float(ck), matrix, self.system.dofs)
         return dense(matrix)[np.ix_(self.order, self.order)]
 
     def mass(self, q):
@@ -47,32 +47,32 @@ class Hooks:
         _mass(self.linked, *_vectors(q), matrix, self.system.dofs)
         return dense(matrix)[np.ix_(self.order, self.order)]
 
-    def energies(self, q, v):
+    def energies(self, q, v, t=0.0):
         """Kinetic, strain and potential energy (3,)."""
         e = np.zeros(3)
-        _energy(self.linked, *_vectors(q, v), e)
+        _energy(self.linked, float(t), *_vectors(q, v), e)
         return e
 
-    def powers(self, q, v):
+    def powers(self, q, v, t=0.0):
         """Power lost, and put in."""
         p = np.zeros(3)
-        _dissipation(self.linked, *_vectors(q, v), p)
+        _dissipation(self.linked, float(t), *_vectors(q, v), p)
         return p[0], p[1]
 
     def acceleration(self, q, v):
         """Acceleration (n,) of a free motion."""
         return np.linalg.solve(self.mass(q), -self.residual(q, v, np.zeros(q.size)))
 
-    def tangent_error(self, q, v, a, cm, cc, ck, h=1e-6):
+    def tangent_error(self, q, v, a, cm, cc, ck, h=1e-6, t=0.0):
         """Largest difference of the tangent from the residual's, over its largest entry."""
-        made = self.tangent(q, v, a, cm, cc, ck)
+        made = self.tangent(q, v, a, cm, cc, ck, t)
         steps = np.eye(q.size) * h
         # two differences together cancel what a curved residual leaves in one
         first, second = (
             np.array(
                 [
-                    self.residual(q + k * ck * s, v + k * cc * s, a + k * cm * s)
-                    - self.residual(q - k * ck * s, v - k * cc * s, a - k * cm * s)
+                    self.residual(q + k * ck * s, v + k * cc * s, a + k * cm * s, t)
+                    - self.residual(q - k * ck * s, v - k * cc * s, a - k * cm * s, t)
                     for s in steps
                 ]
             ).T
@@ -82,12 +82,16 @@ class Hooks:
         expected = (4.0 * first - second) / 3.0
         return np.abs(made - expected).max() / np.abs(expected).max()
 
-    def imbalance(self, q, v, a, h=1e-5):
+    def imbalance(self, q, v, a, h=1e-5, t=0.0):
         """Power into the groups less what becomes of it, over the largest of the three."""
-        e = {k: self.energies(q + k * h * v + 0.5 * (k * h) ** 2 * a, v + k * h * a).sum() for k in (-2, -1, 1, 2)}
+
+        def energy(later):
+            return self.energies(q + later * v + 0.5 * later**2 * a, v + later * a, t + later).sum()
+
+        e = {k: energy(k * h) for k in (-2, -1, 1, 2)}
         stored = (8.0 * (e[1] - e[-1]) - (e[2] - e[-2])) / (12.0 * h)
-        lost, given = self.powers(q, v)
-        power = self.residual(q, v, a) @ v
+        lost, given = self.powers(q, v, t)
+        power = self.residual(q, v, a, t) @ v
         return abs(power - stored - lost + given) / max(abs(power), abs(stored), abs(lost), abs(given))
 
 
@@ -96,13 +100,13 @@ def _vectors(*given):
 
 
 @entry
-def _residual(groups, q, v, a, r):
-    over.residual(groups, 0.0, q, v, a, r)
+def _residual(groups, t, q, v, a, r):
+    over.residual(groups, t, q, v, a, r)
 
 
 @entry
-def _tangent(groups, q, v, a, cm, cc, ck, matrix, dofs):
-    over.smooth_tangent(groups, 0.0, q, v, a, cm, cc, ck, matrix, dofs)
+def _tangent(groups, t, q, v, a, cm, cc, ck, matrix, dofs):
+    over.smooth_tangent(groups, t, q, v, a, cm, cc, ck, matrix, dofs)
 
 
 @entry
@@ -111,14 +115,14 @@ def _mass(groups, q, matrix, dofs):
 
 
 @entry
-def _energy(groups, q, v, e):
-    over.energy(groups, 0.0, q, v, e)
+def _energy(groups, t, q, v, e):
+    over.energy(groups, t, q, v, e)
 
 
 @entry
-def _dissipation(groups, q, v, p):
-    over.dissipation(groups, 0.0, q, v, p)
-    over.supply(groups, 0.0, q, v, p[1:])
+def _dissipation(groups, t, q, v, p):
+    over.dissipation(groups, t, q, v, p)
+    over.supply(groups, t, q, v, p[1:])
 
 
 def run(groups, q, v, stencils, held=(), *, step, end, interval, scale=1.0):

@@ -22,9 +22,9 @@ from figures.synthetic_crane import result as made_up
 from of_the_suite import studies
 
 from crane.view.appearance import appearance as of_crane
+from tautline.system.waves import Waves, wave_number
 from tautline.view.space.appearance import Appearance, History, Level, Line, Look, Solid, pose_of, ranged, stored
 from tautline.view.space.mesh import box
-from tautline.view.space.sea import Waves, wave_number
 from tautline.view.web.page import write_page
 
 CHROMIUM = next((found for name in ("chromium", "chromium-browser") if (found := shutil.which(name))), None)

@@ -13,12 +13,12 @@ from scipy.optimize import brentq
 from crane.assembly.layout import Layout
 from crane.results.course import laid_out
 from crane.scene.scene import CraneScene
+from crane.sea.waves import vessel_waves
 from crane.view.appearance import appearance as of_crane
 from crane.view.poses import poses_of
-from crane.view.sea_surface import waves_of
+from tautline.system.waves import Waves, wave_number
 from tautline.view.space.appearance import Appearance, Level, Line, Look, still
 from tautline.view.space.scales import grid_pitch, scales
-from tautline.view.space.sea import Waves, wave_number
 from tautline.view.space.stage import LEGEND, Stage
 from tautline.view.space.surroundings import deep, shadow, sun, surfaces
 from tautline.view.web.page import Pack, whole_turns
@@ -46,7 +46,7 @@ def test_the_vessel_heaves_by_its_response_times_the_sea_that_is_drawn_at_its_re
     time = np.linspace(0.0, 60.0, 241)
     # The vessel's pose is made of the functions that the run evaluates: other code than the waves that are drawn.
     heave = poses_of(layout, time)["vessel"][:, 2, 3]
-    waves = waves_of(scene)
+    waves = vessel_waves(scene)
     sea = np.array([float(waves.elevation(4.0, -3.0, t)) for t in time])
     assert heave == pytest.approx(-0.4 * sea, abs=1e-9)
     assert np.abs(sea[-80:]).max() > 0.5
@@ -69,11 +69,11 @@ def test_waves_run_in_their_direction_at_the_speed_of_their_phase():
 
 @pytest.mark.parametrize("motion", [{"heave": {"harmonic": {"amplitude": 0.5, "period": 8}}}, {}])
 def test_a_sea_that_nobody_gave_is_not_made_up(motion):
-    assert waves_of(at_sea(**motion)) is None
+    assert vessel_waves(at_sea(**motion)) is None
 
 
 def test_the_mesh_of_a_sea_has_its_height_where_things_are_and_is_level_at_its_edge():
-    waves = waves_of(at_sea(heave={"spectrum": SEA}))
+    waves = vessel_waves(at_sea(heave={"spectrum": SEA}))
     seen = np.array([[-10.0, -5.0, -20.0], [25.0, 5.0, 30.0]])
     (surface,) = surfaces(Appearance("sea", np.zeros(1), levels=(Level("water", -2.0, waves=waves),)), seen)
     heights = surface.heights(40.0)

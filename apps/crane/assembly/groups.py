@@ -12,6 +12,7 @@ import numpy as np
 from crane.assembly.drum_supply import capacity_of, hoisted_spans, reeled_of
 from crane.assembly.friction import contacts_of, couplings_of
 from crane.assembly.layout import AXES, Layout, has_rim
+from crane.assembly.loads import displacement_of
 from crane.assembly.mesh_damping import damping_of
 from crane.geometry.line import POINT
 from crane.geometry.quaternion import QUATERNION
@@ -24,9 +25,11 @@ from crane.groups.masses import BODY, Bodies, Releases, Rims, Springs
 from crane.groups.rigid import FREQUENCY, RIGID, Rigids, new_rigids
 from crane.groups.sockets import SOCKET, Sockets, new_sockets
 from crane.groups.span import BETWEEN, MATERIAL, SPAN, Spans, new_spans
+from crane.groups.waves import new_sea
 from crane.groups.winch import DRUM, WOUND, Drums, Supplies, WoundRope
 from crane.scene.bodies import Drag
 from crane.scene.scene import Body, Drum, End, Sheave
+from crane.sea.waves import waves_of
 from tautline.kernels.time_function import TimeFunctions
 from tautline.scene.functions import Constant
 from tautline.system.records import records_of
@@ -257,7 +260,8 @@ def _immersed(layout: Layout, gone: np.ndarray) -> list[Maker]:
         return []
     left = [row | _wet_row(layout, row["body"], scene.bodies[row["body"]].after_release()) for row in rows]
     made, after = records_of(IMMERSED, rows), records_of(IMMERSED, left)
-    group = Immersed(made, after, float(scene.water.surface), gone, np.zeros((len(rows), 2)))
+    sea, surface = new_sea(waves_of(scene)), float(scene.water.surface)
+    group = Immersed(made, after, surface, gone, np.zeros((len(rows), 2)), sea, np.zeros(AXES), np.zeros(1))
     return [partial(_constant, group)]
 
 
@@ -270,6 +274,7 @@ def _wet_row(layout: Layout, k: int, body: Body) -> dict[str, Any]:
         "height": body.height,
         "bottom": body.bottom,
         "buoyancy": float(np.linalg.norm(_lift(layout, body.volume))),
+        "displaced": displacement_of(layout.scene, body),
         "added": body.added_mass,
         "linear": body.drag.linear,
         "quadratic": body.drag.quadratic,

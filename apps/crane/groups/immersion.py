@@ -13,8 +13,16 @@ surface feels no jump of its forces; f with f' = s is the depth of what is under
   the body rises, water stays behind with the motion that it has, and no force comes of it: its energy is lost to the
   body as well. So the energy of body and water falls by m |s.| v^2 / 2 either way.
 
-Left out: waves and current, the water that runs off a body or out of it, the moment of buoyancy, and the pile-up of
-water beside a body that comes in fast.
+In waves (`crane.groups.waves`) the surface is where they have it at the body's position, and water has a velocity u and
+an acceleration a_w: those in the middle of what is under water. The body is small beside the waves' length.
+
+- Drag is by v - u. Water that is pushed aside resists with s m (a - a_w), and while x grows it takes s. m (v - u).
+- The waves' pressure accelerates what was there in place of the body: the force s rho V a_w (Froude and Krylov).
+
+The energies are those of still water; what waves do beyond that is work from outside.
+
+Left out: current, the water that runs off a body or out of it, the moment of buoyancy, the pile-up of water beside a
+body that comes in fast, and that bodies and vessel change the waves.
 """
 
 from __future__ import annotations
@@ -25,30 +33,33 @@ import numpy as np
 
 from crane.geometry.line import AXES
 from crane.groups.masses import BEFORE, NOW, supply_of_release
+from crane.groups.waves import ACCELERATION, VELOCITY, Sea, X, Y, Z, look, stir
 from tautline.kernels.dofs import add_entry
 from tautline.kernels.groups import register
 from tautline.kernels.jit import kernel
 
 IMMERSED = np.dtype(
     [
-        ("place", "i8"), ("body", "i8"), ("height", "f8"), ("bottom", "f8"), ("buoyancy", "f8"), ("added", "f8", (3,)),
-        ("linear", "f8", (3,)), ("quadratic", "f8", (3,)),
+        ("place", "i8"), ("body", "i8"), ("height", "f8"), ("bottom", "f8"), ("buoyancy", "f8"), ("displaced", "f8"),
+        ("added", "f8", (3,)), ("linear", "f8", (3,)), ("quadratic", "f8", (3,)),
     ]
 )  # fmt: skip
 """A body: the place of its position, its number among bodies, height m, depth of its lowest point below its position
-m, and of all of it under water: buoyancy N, added mass kg and drag N s/m, N s^2/m^2 along each axis."""
+m, and of all of it under water: buoyancy N, displaced water and added mass kg and drag N s/m, N s^2/m^2 along each
+axis."""
 EDGE = 0.02
 """Part of the height over which s' grows at either end."""
 ENDS = (1.0, 0.0), (-1.0, 1.0)
 """How s'' acts at the lowest and at the highest point, and where they are in x."""
-Z = 2
 
 
 class Immersed(NamedTuple):
-    """Bodies (n,) of ``IMMERSED`` in water below z = ``surface`` m, and what is ``left`` (n,) of each when it drops.
+    """Bodies (n,) of ``IMMERSED`` in water of the level z = ``surface`` m, and what is ``left`` (n,) of each when it
+    drops; ``sea`` are the waves on it.
 
     ``gone`` (bodies, 2) is that of `crane.groups.masses.Bodies`. ``let_go`` (n, 2) W is, as there, the power at which
-    the water's energy leaves with what is released.
+    the water's energy leaves with what is released. Scratch: ``leans`` (3,), how x changes with the position, 1/m;
+    ``seen`` (1,), the time at which the residual was asked for last, s, as masses are asked for without a time.
     """
 
     rows: np.recarray
@@ -56,6 +67,9 @@ class Immersed(NamedTuple):
     surface: float
     gone: np.ndarray
     let_go: np.ndarray
+    sea: Sea
+    leans: np.ndarray
+    seen: np.ndarray
 
 
 @kernel
@@ -80,15 +94,32 @@ def share_of(x):
 
 
 @kernel
-def _immerse(g, b, q):
-    """`share_of` a body where it is."""
-    return share_of((g.surface - q[b.place + Z] + b.bottom) / b.height)
+def _in_water(g, b, t, q):
+    """How deep a body is in the water as it stands then: x of `share_of`, and its rate while the body is at rest.
+
+    How x changes with the position is left in ``leans``, and how the water moves in the sea's ``moves``.
+    """
+    eta, eta_t, slope = look(g.sea, t, q[b.place + X], q[b.place + Y])
+    wet = g.surface + eta - q[b.place + Z] + b.bottom
+    g.leans[X], g.leans[Y] = slope * g.sea.way[X] / b.height, slope * g.sea.way[Y] / b.height
+    g.leans[Z] = -1.0 / b.height
+    stir(g.sea, t, eta, 0.5 * (max(wet, 0.0) + max(wet - b.height, 0.0)))
+    return wet / b.height, eta_t / b.height
 
 
 @kernel
-def _energy_of(g, b, q, v):
+def _rate(g, b, rises, v):
+    """Rate of x, 1/s, of a body that moves."""
+    for c in range(AXES):
+        rises += g.leans[c] * v[b.place + c]
+    return rises
+
+
+@kernel
+def _energy_of(g, b, t, q, v):
     """Energy of the water that a body moves, and of what it lifts, J."""
-    _, _, share, depth = _immerse(g, b, q)
+    eta, _, _ = look(g.sea, t, q[b.place + X], q[b.place + Y])
+    _, _, share, depth = share_of((g.surface + eta - q[b.place + Z] + b.bottom) / b.height)
     moved = 0.0
     for c in range(AXES):
         moved += 0.5 * share * b.added[c] * v[b.place + c] ** 2
@@ -102,23 +133,29 @@ def _begin(g, t, h, beta, gamma, q, v, a):
         g.let_go[n, 0] = g.let_go[n, 1] = 0.0
         k = g.rows[n].body
         if h > 0.0 and gamma >= 0.0 and beta >= 0.0 and g.gone[k, NOW] != g.gone[k, BEFORE]:
-            moved, lifted = _energy_of(g, g.rows[n], q, v)
-            moves, lifts = _energy_of(g, g.left[n], q, v)
+            moved, lifted = _energy_of(g, g.rows[n], t, q, v)
+            moves, lifts = _energy_of(g, g.left[n], t, q, v)
             g.let_go[n, 1 if beta > 0.0 else 0] = 2.0 * (moved + lifted - moves - lifts) / h
 
 
 @kernel
 def _residual(g, t, q, v, a, r):
+    g.seen[0] = t
+    water = g.sea.moves
     for n in range(g.rows.size):
         b = g.rows[n] if g.gone[g.rows[n].body, NOW] == 0 else g.left[n]
-        _, slope, share, _ = _immerse(g, b, q)
+        x, rises = _in_water(g, b, t, q)
+        _, slope, share, _ = share_of(x)
         if share == 0.0:
             continue
-        entering = slope * max(0.0, -v[b.place + Z]) / b.height
+        entering = slope * max(0.0, _rate(g, b, rises, v))
         for c in range(AXES):
             o = b.place + c
-            drag = b.linear[c] + b.quadratic[c] * abs(v[o])
-            r[o] += share * b.added[c] * a[o] + (share * drag + entering * b.added[c]) * v[o]
+            past = v[o] - water[VELOCITY, c]
+            drag = b.linear[c] + b.quadratic[c] * abs(past)
+            r[o] += share * b.added[c] * (a[o] - water[ACCELERATION, c])
+            r[o] += (share * drag + entering * b.added[c]) * past
+            r[o] -= share * b.displaced * water[ACCELERATION, c]
         r[b.place + Z] -= b.buoyancy * share
 
 
@@ -126,53 +163,85 @@ def _residual(g, t, q, v, a, r):
 def _mass(g, q, matrix, dofs):
     for n in range(g.rows.size):
         b = g.rows[n] if g.gone[g.rows[n].body, NOW] == 0 else g.left[n]
-        _, _, share, _ = _immerse(g, b, q)
+        x, _ = _in_water(g, b, g.seen[0], q)
+        _, _, share, _ = share_of(x)
         for c in range(AXES):
             add_entry(matrix, dofs, b.place + c, b.place + c, share * b.added[c])
 
 
 @kernel
 def _tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
+    """How u and a_w change with the position is left out: it is k times the height of the waves beside what is here."""
+    water = g.sea.moves
     for n in range(g.rows.size):
         b = g.rows[n] if g.gone[g.rows[n].body, NOW] == 0 else g.left[n]
-        bend, slope, share, _ = _immerse(g, b, q)
+        x, rises = _in_water(g, b, t, q)
+        bend, slope, share, _ = share_of(x)
         if share == 0.0:
             continue
-        z, sinking = b.place + Z, max(0.0, -v[b.place + Z])
-        deeper = -ck / b.height
+        rate = max(0.0, _rate(g, b, rises, v))
         for c in range(AXES):
             o = b.place + c
-            drag, added = b.linear[c] + b.quadratic[c] * abs(v[o]), b.added[c]
-            own = cm * share * added + cc * share * (drag + b.quadratic[c] * abs(v[o]))
-            add_entry(matrix, dofs, o, o, own + cc * slope * sinking / b.height * added)
-            by = deeper * (slope * (added * a[o] + drag * v[o]) + bend * sinking / b.height * added * v[o])
-            if sinking > 0.0:
-                by -= cc * slope / b.height * added * v[o]
-            add_entry(matrix, dofs, o, z, by)
-        add_entry(matrix, dofs, z, z, -deeper * b.buoyancy * slope)
+            past, added = v[o] - water[VELOCITY, c], b.added[c]
+            drag = b.linear[c] + b.quadratic[c] * abs(past)
+            own = cm * share * added + cc * share * (drag + b.quadratic[c] * abs(past))
+            add_entry(matrix, dofs, o, o, own + cc * slope * rate * added)
+            deeper = slope * (added * (a[o] - water[ACCELERATION, c]) - b.displaced * water[ACCELERATION, c])
+            deeper += slope * drag * past + bend * rate * added * past
+            if c == Z:
+                deeper -= b.buoyancy * slope
+            faster = cc * slope * added * past if rate > 0.0 else 0.0
+            for d in range(AXES):
+                if g.leans[d] != 0.0:
+                    add_entry(matrix, dofs, o, b.place + d, (ck * deeper + faster) * g.leans[d])
 
 
 @kernel
 def _energy(g, t, q, v, energy):
     for n in range(g.rows.size):
         b = g.rows[n] if g.gone[g.rows[n].body, BEFORE] == 0 else g.left[n]
-        moved, lifted = _energy_of(g, b, q, v)
+        moved, lifted = _energy_of(g, b, t, q, v)
         energy[0] += moved
         energy[2] += lifted
 
 
 @kernel
 def _dissipation(g, t, q, v, p):
+    water = g.sea.moves
     for n in range(g.rows.size):
         b = g.rows[n] if g.gone[g.rows[n].body, NOW] == 0 else g.left[n]
-        _, slope, share, _ = _immerse(g, b, q)
-        passing = 0.5 * slope * abs(v[b.place + Z]) / b.height
+        x, rises = _in_water(g, b, t, q)
+        _, slope, share, _ = share_of(x)
+        passing = 0.5 * slope * abs(_rate(g, b, rises, v))
         for c in range(AXES):
-            o = b.place + c
-            p[0] += (share * (b.linear[c] + b.quadratic[c] * abs(v[o])) + passing * b.added[c]) * v[o] * v[o]
+            past = v[b.place + c] - water[VELOCITY, c]
+            p[0] += (share * (b.linear[c] + b.quadratic[c] * abs(past)) + passing * b.added[c]) * past * past
+
+
+@kernel
+def _supply(g, t, q, v, p):
+    """What leaves with a load that drops, and what waves do: their work, and the rate of both energies beyond it."""
+    supply_of_release(g, t, q, v, p)
+    if g.sea.rows.size == 0:
+        return
+    water = g.sea.moves
+    for n in range(g.rows.size):
+        b = g.rows[n] if g.gone[g.rows[n].body, NOW] == 0 else g.left[n]
+        x, rises = _in_water(g, b, t, q)
+        _, slope, share, _ = share_of(x)
+        rate = _rate(g, b, rises, v)
+        passing = 0.5 * slope * rate
+        for c in range(AXES):
+            own, u = v[b.place + c], water[VELOCITY, c]
+            past = own - u
+            p[0] += share * (b.added[c] + b.displaced) * water[ACCELERATION, c] * own
+            p[0] -= share * (b.linear[c] + b.quadratic[c] * abs(past)) * past * u
+            p[0] += passing * b.added[c] * (u * u if passing > 0.0 else own * own - past * past)
+        # The surface rises and falls above the body, which itself moves along its slope.
+        p[0] += b.buoyancy * share * (b.height * rate + v[b.place + Z])
 
 
 register(
     Immersed, begin=_begin, residual=_residual, mass=_mass, tangent=_tangent, energy=_energy,
-    dissipation=_dissipation, supply=supply_of_release,
+    dissipation=_dissipation, supply=_supply,
 )  # fmt: skip

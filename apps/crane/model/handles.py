@@ -44,7 +44,7 @@ OF_FORCES = "max_sheave_load"
 """Figure that is the largest size of the forces on sheaves."""
 MOST_FALLS = 4
 """Spans that are told one by one."""
-VESSEL = "vessel."
+VESSEL, VESSEL_NAME = "vessel.", "vessel"
 PLACES = {"position": "q", "velocity": "v"}
 
 
@@ -54,7 +54,7 @@ def driven(scene: CraneScene, names: tuple[str, ...]) -> CraneScene:
     Raises
     ------
     SceneError
-        Where heave compensation answers a motion that is driven.
+        Where heave compensation, or the waves on the loads, belong to a motion that is driven.
     """
     moved = [
         name
@@ -65,7 +65,12 @@ def driven(scene: CraneScene, names: tuple[str, ...]) -> CraneScene:
         cause = f"answers the motion that the scene prescribes, and {moved[0]} is driven from outside"
         cure = "remove it, and drive the winch by what is measured"
         raise SceneError([scene.problem("heave_compensation", cause, cure)])
-    if scene.vessel is None and any(name.startswith(VESSEL) for name in names):
+    of_vessel = [name for name in names if name.startswith(VESSEL)]
+    if of_vessel and _answers_waves(scene):
+        cause = f"is the sea that the vessel's motion answers, and {of_vessel[0]} is driven from outside"
+        cure = "write the waves, such as {spectrum: {significant_height: 1.5, peak_period: 8}}"
+        raise SceneError([scene.problem(("water", "waves", "elevation"), cause, cure)])
+    if scene.vessel is None and of_vessel:
         scene = scene.model_copy(update={"vessel": Vessel(reference=(0.0, 0.0, 0.0), motion=Motion())})
     forces = [f"{name}[{c}]" for name in names if name.endswith(".force") for c in range(AXES)]
     return scene.driven_by((*names, *forces)) if names else scene
@@ -78,15 +83,21 @@ def handles(made: Any, variables: Sequence[Variable], coordinates: Mapping[str, 
     """
     layout: Layout = made.layout
     inputs = inputs_of(layout.requests.of)
-    if layout.scene.heave_compensation is not None:
-        # It was computed for the motion that the scene prescribes.
-        moved = {name for frame in layout.frames for i in range(len(frame.words)) for name in frame.inputs_of(i)}
-        inputs = {name: one for name, one in inputs.items() if name not in moved}
+    # Compensation, and the waves that a vessel answers, were computed for the motion that the scene prescribes.
+    compensated, answers = layout.scene.heave_compensation is not None, _answers_waves(layout.scene)
+    fixed = [frame for frame in layout.frames if compensated or (answers and frame.name == VESSEL_NAME)]
+    moved = {name for frame in fixed for i in range(len(frame.words)) for name in frame.inputs_of(i)}
+    inputs = {name: one for name, one in inputs.items() if name not in moved}
     parameters = {one.name: one for one in _parameters(layout, made.system.groups)}
     prepared = prepared_of(layout.requests.of)
     outputs = _outputs(layout, variables, coordinates)
     instead = {"hook_load": hook_load_told(layout.scene)} | bending_told(layout.scene)
     return Handles(inputs, outputs, parameters, prepared, instead, _lacking(layout))
+
+
+def _answers_waves(scene: CraneScene) -> bool:
+    """Whether the waves on the loads are those that the vessel's motion is the response to."""
+    return scene.water is not None and scene.water.waves is not None and scene.water.waves.elevation == "vessel"
 
 
 def bending_told(scene: CraneScene) -> dict[str, str]:

@@ -80,6 +80,7 @@ def sea_keys(scene: CraneScene, headings: bool) -> SeaKeys:
         where the responses of the vessel know none, and for motions of several seas, of which a sea state is one.
     """
     motion = scene.vessel.motion if scene.vessel is not None else None
+    _check_waves(scene, headings)
     if isinstance(motion, SeaMotion):
         _check_carried(scene)
         return SeaKeys(("vessel.motion.sea",), "vessel.motion.direction")
@@ -109,6 +110,21 @@ def _check_carried(scene: CraneScene) -> None:
     if not carries(scene, VESSEL):
         cause = "no drum, sheave or anchor of the path rides on the vessel: the sea moves nothing"
         raise SceneError([scene.problem((VESSEL,), cause, how_to_mount(scene, VESSEL))])
+
+
+def _check_waves(scene: CraneScene, headings: bool) -> None:
+    """Refuse waves on the loads that would stay what they are in every sea state."""
+    waves, at = None if scene.water is None else scene.water.waves, ("water", "waves")
+    if waves is None:
+        return
+    if waves.elevation != "vessel":
+        cause = "are waves of their own: operability varies the sea of the vessel, and they would stay what they are"
+        raise SceneError([scene.problem((*at, "elevation"), cause, "write elevation: vessel")])
+    if headings and waves.direction is not None:
+        cause = "is given, and the headings are varied"
+        raise SceneError(
+            [scene.problem((*at, "direction"), cause, "give vessel.motion the direction, and remove this")]
+        )
 
 
 def _check_stand_alone(scene: CraneScene, motion: Motion) -> None:

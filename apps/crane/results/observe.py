@@ -20,6 +20,7 @@ from crane.groups.winch import Drums
 from crane.results.angles import UPRIGHT, across_plumb, hook_span, leads, legs_of, out_of_plane
 from crane.scene.scene import Drum, Sheave
 from crane.sea.compensation import Compensation
+from crane.sea.waves import waves_of
 from tautline.application.modelling import energies_of, energy_variables
 from tautline.kernels.time_function import sample
 from tautline.results.assessment.balance import ENERGIES
@@ -40,6 +41,8 @@ OF_DRUMS = (
 """Variables that are made together."""
 LEAD_ANGLE, WRAP_MIDDLE = "lead_angle", "wrap_middle"
 """Variables of scenes in which the rope's line may go round a drum or a sheave."""
+ELEVATION = "surface_elevation"
+"""Variable of scenes with waves on the water."""
 PER_SPAN = RECORDED + AXES
 
 
@@ -89,6 +92,7 @@ def variables(observer: Observer) -> list[Variable]:
         *([_wrap_middle()] if observer.turning_sheaves else []),
         *(of_hook if observer.hung is not None else []),
         *(of_bodies if observer.scene.bodies else []),
+        *([_elevation()] if observer.waves is not None else []),
         *(
             [Variable("body_turn", ("time", "body", "part"), "", "quaternion of a body; 1, 0, 0, 0 of a point")]
             if observer.layout.turn
@@ -106,6 +110,10 @@ def variables(observer: Observer) -> list[Variable]:
             "of winches, moving frames and forces",
         ),
     ]
+
+
+def _elevation() -> Variable:
+    return Variable(ELEVATION, ("time", "body"), "m", "height of the waves at a body above the level of the water")
 
 
 def _lead_angle() -> Variable:
@@ -133,6 +141,11 @@ def layers_of(drum: Drum, diameter: float | None, stretch: float) -> DrumLayers:
     return DrumLayers(first, held, stretch, layers.pitch_radius(2, diameter) - first, layers.turns, layers.count)
 
 
+def _column(frames: Any) -> np.ndarray:
+    """Times of frames, (m, 1) s."""
+    return np.asarray(frames.time, float)[:, None]
+
+
 class Observer:
     """Turns frames into variables; all of it vectorised over the frames of a batch."""
 
@@ -154,6 +167,7 @@ class Observer:
         self.laid = drawn if self.spans is None else self.spans.laid
         diameter = self.scene.rope.diameter
         self.layers = [layers_of(self.scene.path[i], diameter, layout.stretch) for i in self.drums]
+        self.waves = layout.once("waves", lambda: waves_of(self.scene))
         self.hung = layout.once("hung", self._hung)
         # Known once an equilibrium was found, here or by the simulation whose state was restored.
         self.hangs = np.full((self.elements, 2), np.nan)
@@ -222,6 +236,8 @@ class Observer:
         }
         if self.scene.bodies:
             made["body_position"], made["body_velocity"] = (partial(self._of_bodies, x) for x in (q, v))
+        if (waves := self.waves) is not None:
+            made[ELEVATION] = lambda: waves.elevation(*np.moveaxis(self._of_bodies(q)[..., :2], -1, 0), _column(frames))
         if self.sheaves:
             made |= together(OF_SHEAVES, lambda: self._sheaves(frames, found))
         if self.drums:

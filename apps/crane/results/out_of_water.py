@@ -18,11 +18,10 @@ from crane.assembly.loads import buoyancy_of, displacement_of, pull, wet_share
 from crane.groups.immersion import EDGE
 from crane.scene.bodies import Body
 from crane.scene.scene import CraneScene
-from crane.scene.surroundings import SeaMotion
-from crane.sea.frames import MOTIONS
+from crane.sea.waves import waves_of
 from tautline.results.variable import at_start
-from tautline.scene.functions import Spectrum
 from tautline.scene.solver import step_taken
+from tautline.scene.values.printed import rounded
 from tautline.scene.values.ranges import sized
 
 CURE = "Give {name} a `height`, with `bottom`: water then acts on what of that is under water"
@@ -120,51 +119,51 @@ def out_of_water(result: Any, scene: CraneScene) -> list[str]:
 
 
 def taken_off_the_water(result: Any, layout: Layout) -> np.ndarray | None:
-    """By how much more than at the start of a run its rope would carry at rest, as its winches hoist the load, N.
+    """By how much more than at the start of a run its rope would carry at rest, the load being where it is, N.
+
+    Still water lifts it there: what waves do beyond that is no rest.
 
     Parameters
     ----------
     result : Result
-        With what its drums have paid out.
+        With the places of bodies.
 
     Returns
     -------
     array (m, 1) or None
-        The same all along the rope; None where no winch brings the one load that hangs on it through the surface.
+        The same all along the rope; None where no one load with a height hangs on it.
     """
-    scene, water = layout.scene, layout.scene.water
+    scene = layout.scene
     hung = pull(scene, layout.path)
-    if water is None or len(hung) != 1 or "body_position" not in result:
+    if scene.water is None or len(hung) != 1 or "body_position" not in result:
         return None
     (name, force) = next(iter(hung.items()))
-    body, falls, taken = scene.body(name), abs(float(force[2])), _taken(result, scene)
-    if body.height is None or body.volume == 0.0 or falls < FEWEST_FALLS or taken is None:
+    body, falls = scene.body(name), abs(float(force[2]))
+    if body.height is None or body.volume == 0.0 or falls < FEWEST_FALLS:
         return None
-    lowest = float(at_start(result, "body_position")[scene.bodies.index(body), 2]) - body.bottom
-    deep = np.clip((water.surface - lowest - np.append(0.0, taken / falls)) / body.height, 0.0, 1.0)
-    less = displacement_of(scene, body) * float(np.linalg.norm(scene.gravity)) / falls * (deep[0] - deep[1:])
-    return less[:, None] if less.any() else None
-
-
-def _taken(result: Any, scene: CraneScene) -> np.ndarray | None:
-    """Rope that the operator's winches have taken in, (m,) m: what a heave compensation moves is no hoisting."""
-    if scene.heave_compensation is not None:
-        drums, time, taken = reeled_of(scene)
-        return np.interp(np.asarray(result.time), time, taken) if drums or taken.any() else None
-    return -np.asarray(result["paid_out"]).sum(axis=-1) if "paid_out" in result else None
+    k = scene.bodies.index(body)
+    then, begun = np.asarray(result["body_position"])[:, k, 2], float(at_start(result, "body_position")[k, 2])
+    shares = _shares(scene, body, np.append(begun, then))
+    less = displacement_of(scene, body) * float(np.linalg.norm(scene.gravity)) / falls * (shares[0] - shares[1:])
+    return np.asarray(less[:, None])
 
 
 def comes_through(result: Any, scene: CraneScene) -> bool:
-    """Whether water lifts a body with a height otherwise at the end of a run than at its start."""
+    """Whether still water would lift a body with a height otherwise at some time of a run than at its start."""
     if scene.water is None or "body_position" not in result:
         return False
-    heights = np.asarray(result["body_position"])[-1, :, 2], at_start(result, "body_position")[:, 2]
-    return any(
-        body.height is not None
-        and body.volume > 0.0
-        and abs(wet_share(scene, body, float(last)) - wet_share(scene, body, float(first))) > OTHERWISE
-        for body, last, first in zip(scene.bodies, *heights, strict=True)
-    )
+    places, begun = np.asarray(result["body_position"]), at_start(result, "body_position")
+    for k, body in enumerate(scene.bodies):
+        z = np.append(begun[k, 2], places[:, k, 2])
+        if body.height is not None and body.volume > 0.0 and float(np.ptp(_shares(scene, body, z))) > OTHERWISE:
+            return True
+    return False
+
+
+def _shares(scene: CraneScene, body: Body, z: Any) -> np.ndarray:
+    """Shares of a body's height below the level of the water, by heights of its position, m."""
+    assert body.height is not None
+    return np.asarray(np.clip((body.bottom - _height(scene, z)) / body.height, 0.0, 1.0))
 
 
 def at_the_surface(found: Estimate) -> Iterator[tuple[str, str]]:
@@ -172,12 +171,17 @@ def at_the_surface(found: Estimate) -> Iterator[tuple[str, str]]:
     scene = found.scene
     spans = hoisted_spans(scene)
     _, time, taken = reeled_of(scene)
-    way = np.array([0.0]) if not spans else taken / len(spans)
+    way, waves = np.array([0.0]) if not spans else taken / len(spans), waves_of(scene)
     for k, body in enumerate(scene.bodies):
         if body.height is None:
             continue
         lows = _height(scene, body.lowest + way)
-        if not ((lows < 0.0) & (lows > -body.height)).any():
+        # Where waves reach it as well.
+        crest = 0.0 if waves is None else waves.highest()
+        # Samples may be further apart than a thin body is high: from one to the next it passes all between them.
+        pairs = np.stack((lows, np.append(lows[1:], lows[-1])))
+        passes = (pairs.min(axis=0) < crest) & (pairs.max(axis=0) > -body.height - crest)
+        if not passes.any():
             continue
         deepest = wet_share(scene, body, body.position[2] + float(way.min())) * displacement_of(scene, body)
         if buoyancy_of(scene, body) < body.mass < deepest:
@@ -186,26 +190,23 @@ def at_the_surface(found: Estimate) -> Iterator[tuple[str, str]]:
                 f"has {body.mass:.4g} kg. Its rope goes slack. Give it less volume or more mass"
             )
             yield f"bodies[{k}]", text
-        if _in_a_sea(scene):
+        if waves is None and scene.vessel is not None and scene.vessel.sea is not None:
             text = (
                 f"{body.name} is in the water's surface, and the surface stays level here: the sea moves the vessel "
-                "only. Waves load such a body, and often decide whether it may be lifted. Judge that by other means"
+                "only. Waves load such a body, and often decide whether it may be lifted. Give `water:` the waves: "
+                "{elevation: vessel}"
             )
             yield f"bodies[{k}]", text
-        speed = float(np.abs(np.gradient(way, time)).max()) if way.size > 1 else 0.0
+        speed = float(np.abs(np.diff(way) / np.diff(time))[passes[:-1]].max(initial=0.0)) if way.size > 1 else 0.0
+        speed += 0.0 if waves is None else waves.fastest()
         step = step_taken(scene.solver, scene.output.interval)
         if not scene.controlled and speed * step > EDGE * body.height:
+            enough = rounded(EDGE * body.height / speed, 1)
             text = (
                 f"{step:.3g} s is long for {body.name}, which passes the surface with up to {speed:.3g} m/s: water "
-                f"takes hold of it within {EDGE:.0%} of its height. Take {EDGE * body.height / speed:.1g} s or less"
+                f"takes hold of it within {EDGE:.0%} of its height. Take {enough:g} s or less"
             )
             yield "solver.step", text
-
-
-def _in_a_sea(scene: CraneScene) -> bool:
-    """Whether waves move the vessel."""
-    motion: Any = None if scene.vessel is None else scene.vessel.motion
-    return isinstance(motion, SeaMotion) or any(isinstance(getattr(motion, name, None), Spectrum) for name in MOTIONS)
 
 
 def heights_of(scene: CraneScene) -> dict[str, dict[str, str]]:

@@ -182,9 +182,9 @@ def _tensions(result: Any, layout: Layout, wanted: Collection[str] = ()) -> Iter
     less = taken_off_the_water(result, layout)
     if less is not None:
         carried = _as_hoisted(carried, less)
-        word = f"{word}, over that at rest where the winch has the load"
-    elif comes_through(result, scene):
-        word = f"{word}, over that at rest at the start, in the water as it was then"
+    if comes_through(result, scene):
+        where = "where the load is" if less is not None else "at the start, in the water as it was then"
+        word = f"{word}, over that at rest {where}"
     amplified = amplification_of(tension, carried)
     if amplified is not None:
         yield (

@@ -211,6 +211,32 @@ def _water(scene: Scene) -> Iterator[Fault]:
     for key in ("rope_drag", "added_mass"):
         if getattr(scene.water, key) and scene.rope.diameter is None:
             yield ("water", key), "the diameter of the rope is not given", "add `diameter:` to rope, or remove this"
+    if scene.water.waves is not None:
+        yield from _waves(scene)
+
+
+def _waves(scene: Scene) -> Iterator[Fault]:
+    """Waves act on bodies whose height is known, and a vessel's are those of a sea."""
+    at, waves = ("water", "waves"), scene.water.waves
+    if not any(body.height is not None for body in scene.bodies):
+        yield at, "no body has a `height`: waves act on nothing", "give a body `height` and `bottom`, or remove this"
+    for i, body in enumerate(scene.bodies):
+        if body.height is None and any(_acts(getattr(body, key)) for key in ("volume", "added_mass", "drag")):
+            cause = "is missing: waves move the water at each depth otherwise, and act on a body by its height"
+            yield ("bodies", i, "height"), cause, "give `height` and `bottom`"
+    if waves.elevation != "vessel":
+        return
+    if scene.vessel is None or scene.vessel.sea is None:
+        cause = "the scene has no vessel" if scene.vessel is None else "the vessel's motion is no response to a sea"
+        cure = "give vessel.motion a sea, or write the waves, such as {spectrum: {significant_height: 1.5, ...}}"
+        yield (*at, "elevation"), cause, cure
+        return
+    known = getattr(scene.vessel.motion, "direction", None)
+    if waves.direction is None and known is None:
+        cause = "is missing, and the vessel's responses do not say in which direction the waves run"
+        yield (*at, "direction"), cause, "give it: 0 deg along x, 180 deg for a sea from ahead of a vessel along x"
+    elif waves.direction is not None and known is not None:
+        yield (*at, "direction"), "is given, and vessel.motion.direction too: the sea has one", "remove this"
 
 
 def _acts(given: Drag | tuple[float, ...] | float | None) -> bool:

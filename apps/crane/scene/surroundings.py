@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, Discriminator, Field, Tag, model_validator
 
-from tautline.scene.functions import Constant, FunctionOfTime, Spectrum, time_function
+from tautline.scene.choices.words import word
+from tautline.scene.functions import Constant, FunctionOfTime, Harmonic, Spectrum, Sum, time_function
 from tautline.scene.model import MARK, Model
 from tautline.scene.names import Name
 from tautline.scene.reading.files import FileName
@@ -16,6 +17,7 @@ from tautline.scene.values.units import UnknownUnit, read_unit
 from tautline.scene.vector import Position
 
 ZERO = Constant(value=0.0)
+IN_SEA = ("heave", "pitch", "roll", "surge", "sway")
 TRANSLATIONS, ROTATIONS = ("surge", "sway", "heave"), ("roll", "pitch", "yaw")
 COLUMNS = dict.fromkeys(("t", "time"), "s") | dict.fromkeys(TRANSLATIONS, "m") | dict.fromkeys(ROTATIONS, "rad")
 """Columns of a file of a vessel's motion, and their units in SI."""
@@ -143,12 +145,76 @@ class Vessel(Model):
     reference: Position = Field(examples=["[0, 0, 0]"])
     motion: AnyMotion = Motion()
 
+    @property
+    def sea(self) -> Spectrum | None:
+        """The sea that its motion is the response to; None where there is none, or only the motion is known.
+
+        Where motions have spectra of their own, the first one of `IN_SEA` says what the sea is.
+        """
+        if isinstance(self.motion, SeaMotion):
+            return self.motion.sea
+        found = (getattr(self.motion, name, None) for name in IN_SEA)
+        return next((one for one in found if isinstance(one, Spectrum)), None)
+
+
+def _elevation(value: Any) -> str:
+    """Which way an elevation is written."""
+    return f"{MARK}vessel" if isinstance(value, str) else f"{MARK}function"
+
+
+Elevation = Annotated[
+    Annotated[Literal["vessel"], word("vessel"), Tag(f"{MARK}vessel")]
+    | Annotated[FunctionOfTime, time_function("m", of="heave"), Tag(f"{MARK}function")],
+    Discriminator(_elevation),
+]
+
+
+class WaterWaves(Model):
+    """Long-crested waves on the water, which act on bodies with a `height`.
+
+    Attributes
+    ----------
+    elevation : function of time, or ``vessel``
+        Height of the surface above its level, m: a harmonic, a spectrum, or a sum of them, where x = y = 0. Or the sea
+        that the vessel's motion is the response to.
+    direction : float or None
+        In which they run, rad, from x towards y; None for that of the vessel's responses, or along x.
+    """
+
+    elevation: Elevation = Field(examples=["{spectrum: {significant_height: 1.5, peak_period: 8, ramp: 20}}"])
+    direction: Annotated[float, quantity("rad", of="angle")] | None = None
+
+    @model_validator(mode="after")
+    def _sines(self) -> WaterWaves:
+        if self.elevation != "vessel":
+            _check_sines(self.elevation)
+        return self
+
+
+def _check_sines(elevation: Any) -> None:
+    """Refuse a function of time that is no sum of waves which grow together."""
+    terms = elevation.terms if isinstance(elevation, Sum) else (elevation,)
+    for term in terms:
+        if not isinstance(term, (Harmonic, Spectrum)):
+            cause = "holds a function that is no wave: each wave has a length of its own, by its frequency"
+            raise fault("elevation", cause, "give a spectrum, a harmonic, or a sum of these")
+        if isinstance(term, Harmonic) and term.mean != 0.0:
+            raise fault("elevation", "has a mean, and waves have none", "give that level as water.surface")
+        if isinstance(term, Spectrum) and "rao" in term.model_fields_set:
+            raise fault("elevation", "has a response `rao`, and it is the sea itself", "remove `rao`")
+    if len({term.ramp for term in terms}) > 1:
+        raise fault("elevation", "has terms of several ramps, and waves grow together", "give each the same `ramp`")
+
 
 class Water(Model):
-    """Still water below `surface`, m; `rope_drag` and `added_mass` are coefficients of the rope across its length."""
+    """Water below `surface`, m, still or with `waves`; `rope_drag`, `added_mass`: coefficients of the rope across it.
+
+    Waves do not act on the rope.
+    """
 
     surface: Annotated[float, quantity("m", of="position")] = Field(examples=["0"])
     density: Annotated[float, quantity("kg/m^3", positive=True, of="water density")] = Field(examples=["1025"])
+    waves: WaterWaves | None = None
     rope_drag: Annotated[float, quantity("", nonnegative=True, of="drag coefficient")] = 0.0
     added_mass: Annotated[float, quantity("", nonnegative=True, of="added mass coefficient")] = 0.0
 

@@ -4,17 +4,22 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 
 from crane.sea.frames import MOTIONS
 from crane.sea.vessel import Response
-from tautline.scene.functions import Spectrum
+from crane.sea.waves import sines
+from tautline.scene.functions import Spectrum, Sum
 from tautline.scene.vector import EARTH_GRAVITY
 from tautline.system.time_functions import jonswap
+from tautline.system.waves import Waves, wave_number
 
 STEEP = ((8.0, 1.0 / 15.0), (15.0, 1.0 / 25.0))
 """Peak period, s, and the largest wave steepness 2 pi Hs / (g Tp^2) there; DNV-RP-C205, section 3.5.4."""
+BREAKS = 0.142
+"""Height over length of a regular wave in deep water that breaks; times tanh(k d) in water of a depth d."""
 FEWEST_WAVES = 5.0
 """Number of equal waves below which a sum of sines looks like no sea at all, whatever is asked of it."""
 AMBIGUOUS = math.radians(150.0)
@@ -59,6 +64,32 @@ def doubts_of_sea(sea: Spectrum, gravity: float) -> Iterator[tuple[str, str]]:
             "periods, and no sea: its period and its extremes depend on the seed. Give `components: 200` or more"
         )
         yield "components", text
+
+
+def doubts_of_waves(elevation: Any, waves: Waves) -> Iterator[tuple[str, str]]:
+    """Keys below the elevation of waves of their own, and sentences."""
+    terms = elevation.terms if isinstance(elevation, Sum) else (elevation,)
+    for i, term in enumerate(terms):
+        key = f"sum[{i}]." if isinstance(elevation, Sum) else ""
+        if isinstance(term, Spectrum):
+            yield from ((f"{key}spectrum.{name}", text) for name, text in doubts_of_sea(term, waves.gravity))
+            continue
+        (_, frequency, _) = next(sines(term))
+        number = float(wave_number(frequency, waves.depth, waves.gravity)[0])
+        most = BREAKS * TURN / number * math.tanh(min(number * waves.depth, 30.0))
+        if 2.0 * abs(term.amplitude) > most:
+            period = TURN / float(frequency[0])
+            text = (
+                f"waves of a period of {period:.4g} s are {most:.3g} m high at most, for higher ones break (Miche, "
+                f"1944). This one is {2.0 * abs(term.amplitude):.4g} m high, from trough to crest"
+            )
+            yield f"{key}harmonic.amplitude", text
+    if waves.ramp == 0.0:
+        text = (
+            "the waves have their full height at t = 0, and what is in them is at rest then: the water meets it at "
+            "once. Give a `ramp`, such as two periods"
+        )
+        yield "ramp", text
 
 
 def doubts_of_turns(sea: Spectrum, name: str) -> Iterator[tuple[str, str]]:

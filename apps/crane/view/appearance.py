@@ -11,9 +11,9 @@ import numpy as np
 from crane.geometry.quaternion import rotation_of
 from crane.results.course import Course, course_of, laid_out, scene_of
 from crane.scene.scene import Body, Drum, End, Sheave
+from crane.sea.waves import waves_of, waves_seen
 from crane.view import histories, machinery
 from crane.view.rope_line import RopeLine, cut, rope_line
-from crane.view.sea_surface import waves_of
 from crane.view.structure import Site, structure
 from tautline.results.naming import title_of
 from tautline.results.result import Result
@@ -101,7 +101,13 @@ def appearance(result: Result, look: Look) -> Appearance:
     if deck is not None and scene.water is not None and deck.points[:, 2].max() < scene.water.surface:
         notes.append("the winch is where the scene has it: its deck is under water")
     if any(level.waves is not None for level in levels):
-        notes.append("waves are those of the vessel's motion; forces on rope and load are those of still water")
+        acts = (
+            "waves act on bodies with a height"
+            if waves_of(scene) is not None
+            else "waves are those of the vessel's motion"
+        )
+        still = "the rope is" if waves_of(scene) is not None else "forces on rope and load are"
+        notes.append(f"{acts}; {still} those of still water")
     return Appearance(
         units=look.units,
         title=title_of(result),
@@ -136,7 +142,7 @@ def _levels(ropes: list[RopeLine], site: Site) -> Iterator[Level]:
     room = max(2.0 * float(np.ptp(heights)), site.size)
     near = (float(heights.min()) - room, float(heights.max()) + room)
     if scene.water is not None and near[0] < scene.water.surface < near[1]:
-        yield Level("water", scene.water.surface, WATER, waves=waves_of(scene))
+        yield Level("water", scene.water.surface, WATER, waves=waves_seen(scene))
     if scene.ground is not None and near[0] < scene.ground.level < near[1]:
         yield Level("ground", scene.ground.level, GROUND, 0.9)
 

@@ -33,6 +33,12 @@ def _floating(found: Estimate) -> Sentences:
     scene = found.scene
     for one in floating(scene, found.path):
         name, cure = scene.bodies[one.body].name, f"{one.cure[0].upper()}{one.cure[1:]}"
+        if one.tall:
+            yield (
+                f"bodies[{one.body}]",
+                f"{name} floats in the surface, and its rope goes slack: {one.cause(name)}. {cure}",
+            )
+            continue
         if one.by_rope is None and scene.start == "static" and scene.rope.length is not None:
             text = (
                 f"{name} floats at any height: {one.cause(name)}. It is drawn below what its rope leads to, and begins "
@@ -93,8 +99,10 @@ def _thrown(scene: CraneScene, k: int) -> Sentences:
 def _floats_after(scene: CraneScene, k: int) -> Sentences:
     """A body that the water lifts once its load has dropped."""
     body, left = scene.bodies[k], scene.bodies[k].after_release()
+    # What has a height may be let go in air.
+    deep = left.height is None or (scene.water is not None and left.lowest < scene.water.surface)
     lifted = displacement_of(scene, left)
-    if lifted > left.mass and displacement_of(scene, body) <= body.mass:
+    if deep and lifted > left.mass and displacement_of(scene, body) <= body.mass:
         text = (
             f"{body.name} floats up when its load has dropped: it takes the place of {lifted:.4g} kg of water, and "
             f"{left.mass:.4g} kg of it remain. Give `volume:` in release, with that of what remains"

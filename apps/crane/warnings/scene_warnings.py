@@ -28,8 +28,9 @@ from crane.sea.compensation import Compensation
 from crane.sea.frames import MOTIONS
 from crane.sea.mru import ANGLES, read_record
 from crane.sea.record_doubts import doubts, doubts_of_table
-from crane.sea.sea_doubts import doubts_of_phases, doubts_of_sea, doubts_of_turns
+from crane.sea.sea_doubts import doubts_of_phases, doubts_of_sea, doubts_of_turns, doubts_of_waves
 from crane.sea.vessel import read_response
+from crane.sea.waves import waves_of
 from crane.warnings.drawn_askew import drawn_askew
 from crane.warnings.load_warnings import load_warnings
 from crane.warnings.narrow_bights import narrow_bights
@@ -122,6 +123,10 @@ def doubts_of_motion(scene: CraneScene) -> Sentences:
         yield from ((f"{key}.{name}", text) for name, text in doubts_of_sea(sea, gravity))
         if (moved := key.split(".")[2]) in ANGLES:
             yield from ((f"{key}.{name}", text) for name, text in doubts_of_turns(sea, moved))
+    waves = waves_of(scene)
+    if waves is not None and scene.water is not None and scene.water.waves.elevation != "vessel":
+        key = "water.waves.elevation"
+        yield from ((f"{key}.{name}", text) for name, text in doubts_of_waves(scene.water.waves.elevation, waves))
 
 
 def _record(scene: CraneScene) -> Sentences:

@@ -11,7 +11,7 @@ from scipy.sparse.linalg import splu
 from tautline.integrators.equations import SUMS, evaluate_at, evaluate_mass
 from tautline.integrators.state import State
 from tautline.kernels.bound import Lasting
-from tautline.kernels.groups import hold_laws, link
+from tautline.kernels.groups import has_constant_mass, hold_laws, link
 from tautline.kernels.matrix import factorise_matrix, new_factors, new_matrix, solve_matrix, sparse
 from tautline.live.errors import SimulationError, plain_numbers, real
 from tautline.live.forces import Force, Group, calls_of, room_for_all
@@ -96,6 +96,9 @@ class Equations:
         """
         (q,) = self._checked(q)
         time = self._time if t is None else _time(t)
+        if not has_constant_mass(self._system.groups):
+            # Masses are asked for without a time: what changes with it, as in waves, has taken it from the residual.
+            self._evaluate(time, q, self._none, self._none, 0.0, 0.0, 0.0, self._matrix)
         self._lasting.call(evaluate_mass, (*self._scene, self._matrix), time, q)
         return sparse(self._matrix)
 

@@ -12,20 +12,23 @@ from cranes.hooks import Hooks, run
 from scipy.integrate import quad
 
 from crane.groups.immersion import EDGE, IMMERSED, Immersed, share_of
+from crane.groups.waves import new_sea
 from tautline.elements.nodal.node import PointMasses
 from tautline.results.assessment.balance import ENERGIES
 
 MASS, HEIGHT, BOTTOM, SURFACE = 400.0, 2.0, 0.7, 1.5
-BUOYANCY, ADDED, LINEAR, QUADRATIC = 7000.0, (300.0, 250.0, 500.0), (20.0, 30.0, 40.0), (90.0, 80.0, 70.0)
+BUOYANCY, DISPLACED = 7000.0, 710.0
+ADDED, LINEAR, QUADRATIC = (300.0, 250.0, 500.0), (20.0, 30.0, 40.0), (90.0, 80.0, 70.0)
 LOWEST = {"dry": 0.3, "touching": 0.005, "half": -1.1, "nearly in": -1.99, "just in": -2.01, "deep": -40.0}
 """How high the lowest point is above the surface, m."""
 WET = {name: z for name, z in LOWEST.items() if name != "dry"}
 
 
-def group(buoyancy=BUOYANCY, added=ADDED, linear=LINEAR, quadratic=QUADRATIC):
+def group(buoyancy=BUOYANCY, added=ADDED, linear=LINEAR, quadratic=QUADRATIC, waves=None):
     rows = np.zeros(1, IMMERSED).view(np.recarray)
-    rows[0] = (0, 0, HEIGHT, BOTTOM, buoyancy, added, linear, quadratic)
-    return Immersed(rows, rows.copy(), SURFACE, np.zeros((1, 2), np.int64), np.zeros((1, 2)))
+    rows[0] = (0, 0, HEIGHT, BOTTOM, buoyancy, DISPLACED, added, linear, quadratic)
+    still = np.zeros((1, 2), np.int64), np.zeros((1, 2))
+    return Immersed(rows, rows.copy(), SURFACE, *still, new_sea(waves), np.zeros(3), np.zeros(1))
 
 
 @cache

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from tautline.results.errors import ResultError
-from tautline.view.space.sea import Waves
+from tautline.system.waves import Waves
 
 Values = Callable[[int], np.ndarray]
 """An array at a frame, counted from 0."""

@@ -6,8 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from tautline.system.waves import Waves
 from tautline.view.space.appearance import Appearance, Level
-from tautline.view.space.sea import Waves
 
 FLOOR, FLOOR_NAME = "#D3D7D9", "floor"
 """Colour and name of a floor that is not in the scene."""
