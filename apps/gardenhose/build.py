@@ -21,7 +21,7 @@ from tautline.cable.model.magnitudes import stiff_along
 from tautline.integrators.state import State, new_state
 from tautline.integrators.statics.attainable import within_rounding
 from tautline.integrators.statics.equilibrium import find_equilibrium
-from tautline.integrators.statics.stability import Stability, find_stable_equilibrium
+from tautline.integrators.statics.stability import Rest, find_stable_equilibrium
 from tautline.scene.solver import error_of_steps, unused_alphas
 from tautline.system.handles import Handles, inputs_of, outputs_of, prepared_of, same_as
 from tautline.system.model import Model
@@ -128,7 +128,7 @@ def _handles(made: Assembly, model: Model) -> Handles:
     return Handles(inputs_of(made.layout.requests), outputs, parameters, prepared_of(made.layout.requests))
 
 
-def begin_at_rest(scene: HoseScene, made: Assembly, state: State) -> Stability:
+def begin_at_rest(scene: HoseScene, made: Assembly, state: State) -> Rest:
     """Bring a scene to rest in the shape that it has with hose and water `tied`, by which its stability is judged.
 
     Parameters

@@ -35,7 +35,7 @@ from tautline.integrators.state import (
 )
 from tautline.integrators.statics.equilibrium import find_equilibrium, refuse_without_number
 from tautline.integrators.statics.relaxation import relax, relax_to_stable
-from tautline.integrators.statics.stability import count_negative, find_stable_equilibrium
+from tautline.integrators.statics.stability import Rest, count_negative, find_stable_equilibrium
 from tautline.integrators.status import Status, StoppedEarly
 from tautline.integrators.stepping import stepping_with
 from tautline.integrators.stops.emptied import status_of_failure
@@ -226,10 +226,10 @@ class Run:
         model, system, drawn = self.model, self.model.system, self.state.q.copy()
         try:
             if model.settle is not None:
-                found = model.settle(self.state) or count_negative(system, self.state)
+                found = model.settle(self.state) or Rest(count_negative(system, self.state))
             elif model.confined:
                 find_equilibrium(system, self.state, model.step_limit)
-                found = count_negative(system, self.state)
+                found = Rest(count_negative(system, self.state))
             else:
                 found = find_stable_equilibrium(system, self.state, model.step_limit)
         except StoppedEarly as stop:
@@ -237,7 +237,7 @@ class Run:
             refuse_without_number(system, self.state)
             detail = f"{stop.detail}; or take {self._other_start()}" if stop.detail else ""
             raise StoppedEarly(stop.status, stop.time, stop.part, detail) from None
-        self._judge_start(found.negative, found.worst, drawn)
+        self._judge_start(found, drawn)
 
     def _relax(self) -> None:
         """Have the scene come to rest. Friction may hold what a frictionless wall or a straight hole would not."""
@@ -248,15 +248,15 @@ class Run:
         found = relax_to_stable(model.system, self.state, self.method, step, model.step_limit, model.own)
         negative = found.stability.negative
         stable = None if negative < 0 else negative == 0
-        self.began = Start("relaxed", stable, pushed=found.pushes > 0, aside=model.aside)
+        self.began = Start("relaxed", stable, pushed=found.pushes > 0, side=found.side, aside=model.aside)
 
     def _other_start(self) -> str:
         """The way to begin that needs no equilibrium."""
         return f"start: {self.model.other_start}"
 
-    def _judge_start(self, negative: int, worst: int, drawn: np.ndarray) -> None:
+    def _judge_start(self, found: Rest, drawn: np.ndarray) -> None:
         """Refuse an equilibrium that the least disturbance would leave, and keep how far it lies from the drawing."""
-        names = self.model.system.names
+        names, negative, worst = self.model.system.names, found.negative, found.stability.worst
         if negative > 0 and not self.model.confined:
             dofs = self.model.system.dofs
             flows = bool(np.any(self.state.full_v[dofs.flowing]))
@@ -270,6 +270,9 @@ class Run:
         at_rest = {} if self.model.at_rest is None else self.model.at_rest()
         self.began = replace(
             static_start(names, self.state.q - drawn, self.model.system.places, self.model.system.q, negative),
+            pushed=found.pushes > 0,
+            side=found.side,
+            aside=self.model.aside,
             at_rest={name: np.asarray(values).tolist() for name, values in at_rest.items()},
         )
 

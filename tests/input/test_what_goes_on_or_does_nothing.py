@@ -42,6 +42,11 @@ def told(word, **given):
         ("[0, 1]", "[0.1, 0.1]", []),
         ("[0, 2]", "[0.1, 0.1]", []),
         ("[0]", "[0.1]", []),
+        # what rounding leaves of times and rates
+        ("[0, 0.9999999999]", "[0.1, 0.1]", []),
+        ("[1e-12, 1]", "[0.1, 0.1]", []),
+        ("[0, 0.5]", "[0.1, 1e-17]", []),
+        ("[0, 0.5]", "[1e-17, 1e-17]", ["The last rate, 1e-17 m/s, is held after it"]),
     ],
 )
 def test_a_rate_that_is_held_outside_of_its_times_is_told(times, rates, words):
@@ -67,3 +72,18 @@ def test_a_mass_or_a_spring_on_a_node_whose_place_is_held_is_told(item, node, co
     found = told("does nothing there", item=item.replace("NODE", str(node)))
     assert len(found) == count
     assert all("node 0 is held (BC)" in one.text for one in found)
+
+
+def test_the_rate_of_a_slope_is_told_by_its_unit():
+    """A slope is a length over a length."""
+    end = "BC: [1, 1, 1, 0, 1, 0, 1], BC_functions: [0, 0, 0, 0, 1, 0, 0]"
+    items = (
+        "  - Node7Dof: {id: 0, xyz: [0, 0, 0], xyz_d: [1, 0, 0], BC: [1, 1, 1, 1, 1, 1, 1]}\n"
+        f"  - Node7Dof: {{id: 1, xyz: [1, 0, 0], xyz_d: [1, 0, 0], {end}}}\n"
+        "  - CableALEelement: {id: 0, nodes7: [0, 1], EA: 1e5, EJ: 1, rhoA: 1}\n"
+        "  - Function_VelocityDefined: {id: 1, timeList: [0, 0.5], velocityList: [0, 0.1]}\n"
+    )
+    begin, rest = SCENE.split("  - Node4Dof", 1)
+    written = begin + items + rest[rest.index("GeneralizedAlpha") :]
+    found = [one.text for one in warnings_of("cable", parse(written)) if "is held" in one.text]
+    assert len(found) == 1 and "The last rate, 0.1 1/s, is held after it" in found[0]

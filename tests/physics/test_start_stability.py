@@ -274,7 +274,7 @@ def counted_both_ways(model, monkeypatch):
     find_equilibrium(model.system, state, model.step_limit)
     matrix = stability._stiffness(model.system, state).matrix
     none = stability._nothing(model.system, state, matrix)
-    full = stability._by_eigenvalues(model.system, matrix, none).negative
+    full = stability._by_eigenvalues(model.system, matrix, none, np.zeros(model.system.size)).negative
     monkeypatch.setattr(stability, "SMALL", 0)
     return full, count_negative(model.system, state).negative
 

@@ -12,6 +12,8 @@ import tautline
 from gardenhose.build import build
 from gardenhose.scene import HoseScene
 from gardenhose.static import form, stable_beside
+from tautline.integrators.statics import equilibrium, stability
+from tautline.integrators.status import StoppedEarly
 from tautline.scene.model import validate
 from tautline.scene.reading.document import Document
 from tautline.simulation import simulate
@@ -37,18 +39,19 @@ def sag(too_much):
     return 2.0 / np.pi * np.sqrt(too_much / EA)
 
 
-def pressed(load, n):
-    """A straight bar of n elements between pins, pressed by a load, N: longer than its span by P / EA."""
-    length = 1.0 / (1.0 - load / EA)
+def pressed(load, n, aside=0.0, axial=EA, bending=1.0, start="static"):
+    """A bar of n elements between pins, pressed by a load, N: longer than its span by P / EA. It is straight, or drawn
+    aside in y by half a wave, m."""
+    length = 1.0 / (1.0 - load / axial)
     items = ""
     for i in range(n + 1):
         held = [1, 1, 1, 0, 0, 0, 1] if i in (0, n) else [0, 0, 0, 0, 0, 0, 1]
-        place = f"xyz: [{i / n!r}, 0, 0], xyz_d: [{1.0 / length!r}, 0, 0]"
+        place = f"xyz: [{i / n!r}, {float(aside * np.sin(np.pi * i / n))!r}, 0], xyz_d: [{1.0 / length!r}, 0, 0]"
         items += f"  - Node7Dof: {{id: {i}, {place}, BC: {held}, p: {i * length / n!r}}}\n"
     for i in range(n):
-        of = f"nodes7: [{i}, {i + 1}], EA: {EA!r}, EJ: 1, rhoA: 1, strain: engineering"
+        of = f"nodes7: [{i}, {i + 1}], EA: {axial!r}, EJ: {bending!r}, rhoA: 1, strain: engineering"
         items += f"  - CableALEelement: {{id: {i}, {of}}}\n"
-    return model_of(items, (0.0, 0.0, 0.0), start="static", rho_inf=0.8)
+    return model_of(items, (0.0, 0.0, 0.0), start=start, rho_inf=0.8)
 
 
 @pytest.mark.parametrize("n", [16, 60, 120])
@@ -131,3 +134,69 @@ def test_a_hose_with_a_free_end_that_was_pushed_names_what_chooses_its_side():
     result = simulate(build(hose(**free)))
     told = [one for one in result.warnings if "perturbed" in one]
     assert len(told) == 1 and "`gravity`" in told[0] and "`disturbance`" in told[0] and "Draw it" not in told[0]
+
+
+@pytest.mark.parametrize("load", [25.0, 60.0, 100.0], ids=lambda load: f"{load:g} N")
+@pytest.mark.parametrize("aside", [1e-4, 1e-3, -1e-3])
+def test_a_pressed_bar_bends_in_the_plane_and_to_the_side_in_which_it_is_drawn(load, aside):
+    result = simulate(pressed(load, 16, aside))
+    place = np.asarray(result["position"][0])
+    # half a wave of its first mode, to the side of the drawing, and nothing across that
+    exact = np.sign(aside) * sag(load - FIRST) * np.sin(np.pi * np.arange(17) / 16)
+    np.testing.assert_allclose(place[:, 1], exact, atol=5e-3 * sag(load - FIRST))
+    assert np.abs(place[:, 2]).max() < 1e-9
+    assert result.attributes["start"]["stable"] and not result.warnings
+
+
+@pytest.mark.parametrize("start", ["static", "relaxed"])
+def test_a_straight_pressed_bar_is_told_alike_that_its_side_is_arbitrary_however_it_comes_to_rest(start):
+    result = simulate(pressed(100.0, 16, start=start))
+    assert (result.attributes["start"]["pushed"], result.attributes["start"]["side"]) == (True, "arbitrary")
+    assert result.warnings == [
+        "the initial geometry is an unstable equilibrium, as of a column that carries more than Euler's load. It was "
+        "perturbed, and came to rest from there. The side is arbitrary. Draw it a little to the side that is meant"
+    ]
+
+
+@pytest.mark.parametrize("coupling", ["linear", "lagrange"])
+def test_a_straight_hose_is_told_that_its_side_is_arbitrary_where_it_starts_at_rest(coupling):
+    result = simulate(build(hose(coupling=("coupling: linear", f"coupling: {coupling}"))))
+    told = [one for one in result.warnings if "The side is arbitrary" in one]
+    assert len(told) == 1 and "`gravity`" in told[0] and "Draw it" not in told[0]
+
+
+@pytest.mark.parametrize("start", ["static", "relaxed"])
+@pytest.mark.parametrize("side", [1, -1])
+def test_a_hose_with_a_little_gravity_across_falls_to_its_side_and_is_not_told_that_it_is_arbitrary(start, side):
+    """As the warning advises: a thousandth of gravity."""
+    across = ("gravity: 0", f"gravity: [0, {side * 0.00981}, 0]")
+    result = simulate(build(hose(gravity=across, start=("start: static", f"start: {start}"))))
+    y, z = np.asarray(result["position"])[0, 8, 1:]
+    assert side * y == pytest.approx(sag(50.0 - FIRST), rel=5e-3) and abs(z) < 1e-4 * abs(y)
+    assert not [told for told in result.warnings if "arbitrary" in told]
+
+
+def test_a_rope_that_no_search_brings_to_a_stable_shape_is_refused_after_few_searches(monkeypatch):
+    """Without bending stiffness each shape to which it is pushed is unstable, and shows more ways down."""
+    searches = []
+
+    def search(*given, **more):
+        searches.append(given)
+        return equilibrium.search_from(*given, **more)
+
+    monkeypatch.setattr(stability, "search_from", search)
+    with pytest.raises(StoppedEarly, match="negative pivots"):
+        simulate(pressed(100.0, 100, axial=1e4, bending=0.0))
+    # each way of the first saddle once, and a few from what these lead to: 49 without a common limit
+    assert len(searches) <= 16
+
+
+def test_a_relaxed_start_that_stays_unstable_names_what_finds_the_stable_shape():
+    """Waves run 31 elements in a step: it falls from side to side. A static start does not, nor shorter steps."""
+    load, axial, bending = 12.0 * np.pi**2 * 1e7, 1e12, 1e7
+    relaxed = simulate(pressed(load, 16, axial=axial, bending=bending, start="relaxed"))
+    told = [one for one in relaxed.warnings if "the relaxed start is unstable" in one]
+    assert len(told) == 1 and "Try `start: static`, a smaller step" in told[0]
+    static = simulate(pressed(load, 16, axial=axial, bending=bending))
+    size = 2.0 / np.pi * np.sqrt((load - np.pi**2 * bending) / axial)
+    assert np.hypot(*np.asarray(static["position"])[0, 8, 1:]) == pytest.approx(size, rel=5e-3)

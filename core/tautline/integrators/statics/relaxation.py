@@ -18,7 +18,7 @@ import numpy as np
 from tautline.integrators.linearise import evaluate
 from tautline.integrators.state import WORST, State
 from tautline.integrators.statics.equilibrium import NEAR_ROUNDING, levers, over_rounding, scales_at_rest, search_from
-from tautline.integrators.statics.stability import ASIDE, Stability, count_negative
+from tautline.integrators.statics.stability import ASIDE, DRAWN, Rest, Stability, count_negative, side_of
 from tautline.integrators.status import Status, StoppedEarly
 from tautline.integrators.stepping import stepping_with
 from tautline.integrators.time_loop import new_frames, run_steps
@@ -51,13 +51,6 @@ class Relaxation(NamedTuple):
 
     steps: int
     imbalance: float
-
-
-class Rest(NamedTuple):
-    """Whether the equilibrium in which a scene was left is stable, and how often it was pushed out of another."""
-
-    stability: Stability
-    pushes: int
 
 
 def relax(
@@ -217,18 +210,22 @@ def relax_to_stable(system: System, state: State, method: Any, step: float, step
     StoppedEarly
         As :func:`relax`.
     """
+    drawn, path = state.q.copy(), list[tuple[np.ndarray, Stability]]()
     relax(system, state, method, step, own)
-    found, pushes = _judged(system, state, step_limit), 0
-    while found.negative > 0 and pushes < PUSHES:
-        pushes += 1
+    found = _judged(system, state, step_limit, drawn)
+    while found.negative > 0 and len(path) < PUSHES:
+        path.append((state.q.copy(), found))
         largest = float(np.abs(found.mode * levers(system)).max())
         state.q[:] += ASIDE * step_limit / largest * found.mode
         relax(system, state, method, step, own)
-        found = _judged(system, state, step_limit)
-    return Rest(found, pushes)
+        found = _judged(system, state, step_limit, drawn)
+    memory = remember((), system.groups, ())
+    side = side_of(system, state, path, drawn) if path else DRAWN
+    recall(memory, (), system.groups, ())
+    return Rest(found, len(path), side)
 
 
-def _judged(system: System, state: State, step_limit: float) -> Stability:
+def _judged(system: System, state: State, step_limit: float, drawn: np.ndarray) -> Stability:
     """Whether the balance next to where a scene has come to rest is stable; the scene is left in it.
 
     A relaxation leaves a small force in each row. Along a motion that nothing resists, such as the turn of a bow about
@@ -244,7 +241,7 @@ def _judged(system: System, state: State, step_limit: float) -> Stability:
     if not way <= NEAR * extent:
         state.q[:] = rest
     recall(memory, (), system.groups, ())
-    found = count_negative(system, state)
+    found = count_negative(system, state, drawn)
     if system.has_friction:
         state.q[:] = rest
     recall(memory, (), system.groups, ())

@@ -49,16 +49,43 @@ SPRING = 1e-4
 beside a spring is rounded as the spring is."""
 
 
+MEANT = 1e-7
+"""Way along the motions that gain, over the extent of the scene, by which a drawing means a side. It is more than what
+rounding and the tolerance of a balance leave."""
+FURTHER = 4
+"""Searches from all saddles but the first, together, that may lead nowhere: each may be as long as there is patience
+for."""
+DRAWN, ON_THE_WAY, ARBITRARY = SIDES = ("drawn", "on the way", "arbitrary")
+"""What decided the side to which a scene was pushed out of unstable balance: where it was drawn; what led it, on its
+way, to a balance that was not its drawing; or nothing."""
+
+
 class Stability(NamedTuple):
     """How many independent motions lower the energy, the unknown that one of them moves most, and that motion (n,);
     where there is none (0,).
 
-    ``negative`` is -1 where it is not known: the tangent is not symmetric, or a pivot of it is zero.
+    ``negative`` is -1 where it is not known: the tangent is not symmetric, or a pivot of it is zero. ``meant`` is
+    whether the motion leads the way that was asked for; else it is any of those that gain alike.
     """
 
     negative: int
     worst: int
     mode: np.ndarray
+    meant: bool = False
+
+
+class Rest(NamedTuple):
+    """Whether the equilibrium in which a scene was left is stable, how often it was pushed out of another, and what
+    decided the side: one of `SIDES`."""
+
+    stability: Stability
+    pushes: int = 0
+    side: str = DRAWN
+
+    @property
+    def negative(self) -> int:
+        """Motions that lower the energy; -1 where they are not known."""
+        return self.stability.negative
 
 
 UNKNOWN = Stability(-1, 0, np.zeros(0))
@@ -75,17 +102,17 @@ ASIDE = 0.1
 """The push with them."""
 
 
-def find_stable_equilibrium(system: System, state: State, step_limit: float) -> Stability:
+def find_stable_equilibrium(system: System, state: State, step_limit: float) -> Rest:
     """Move the state to a static equilibrium at t = 0, and to a stable one if that can be found.
 
     What :func:`~tautline.integrators.statics.equilibrium.find_equilibrium` finds may be a maximum or a saddle of the
-    energy. It is left then along the motion that lowers the energy most, and searched on by pseudo-transient
-    continuation, an overdamped motion downhill. That may lead to another that is unstable, which is left in turn. Where
-    it leads nowhere, and the system has room, all of it is done again without.
+    energy. It is left then to the side where the drawing lies, or else along the motion that lowers the energy most,
+    and searched on by pseudo-transient continuation, an overdamped motion downhill. That may lead to another that is
+    unstable, which is left in turn. Where it leads nowhere, and the system has room, all of it is done again without.
 
     Returns
     -------
-    Stability
+    Rest
         Of where the state is left: the first equilibrium, unstable, if none that is stable was found.
 
     Raises
@@ -95,56 +122,100 @@ def find_stable_equilibrium(system: System, state: State, step_limit: float) -> 
     """
     drawn = state.q.copy()
     find_equilibrium(system, state, step_limit)
-    first = count_negative(system, state)
+    first = count_negative(system, state, drawn)
     if first.negative <= 0:
-        return first
+        return Rest(first)
     found = state.q.copy()
-    stable = _downhill(system, state, step_limit, first) or _on_another_path(system, state, step_limit, drawn)
+    stable = _downhill(system, state, step_limit, first, drawn) or _on_another_path(system, state, step_limit, drawn)
     if stable is not None:
         return stable
     state.q[:] = found
     again = new_factors(system.size, system.bandwidth, system.border).matrix
     evaluate(system, state, 0.0, 1.0, True, 0.0, 0.0, 1.0, again, np.zeros(system.size))
-    return first
+    return Rest(first)
 
 
-def _downhill(system: System, state: State, step_limit: float, unstable: Stability) -> Stability | None:
+def _downhill(system: System, state: State, step_limit: float, unstable: Stability, drawn: np.ndarray) -> Rest | None:
     """Leave an unstable equilibrium downhill, to a stable one; None, with the state anywhere, if none was found.
 
     The motion that gains most may lead to another unstable one: from straight a column comes to rest in its second
     mode, where the first still gains. It is left in turn, if fewer motions lower the energy there than at any before.
     """
-    saddles, least = [_ways_down(system, state, step_limit, unstable)], unstable.negative
+    saddles, least, left = [_ways_down(system, state, step_limit, unstable)], unstable.negative, FURTHER
+    path = [(state.q.copy(), unstable)]
     while saddles:
-        begin, shift = next(saddles[-1], (None, 0.0))
-        if begin is None:
+        way = next(saddles[-1], None) if left > 0 or len(saddles) == 1 else None
+        if way is None:
             saddles.pop()
+            path.pop()
             continue
-        state.q[:] = begin
-        if not search_from(system, state, step_limit, shift):
-            continue
-        now = count_negative(system, state)
-        if now.negative == 0:
-            return now
-        # Where the tangent proves nothing, as where a load follows the shape, it shows no way down.
-        if 0 < now.negative < least:
-            least = now.negative
-            saddles.append(_ways_down(system, state, step_limit, now))
+        path[-1] = path[-1][0], way.along
+        state.q[:] = way.begin
+        if search_from(system, state, step_limit, way.shift) and _keeps_side(system, state, *path[-1]):
+            judged = count_negative(system, state, drawn)
+            if judged.negative == 0:
+                return Rest(judged, len(path), side_of(system, state, path, drawn))
+            # Where the tangent proves nothing, as where a load follows the shape, it shows no way down.
+            if 0 < judged.negative < least:
+                least = judged.negative
+                saddles.append(_ways_down(system, state, step_limit, judged))
+                path.append((state.q.copy(), judged))
+                continue
+        left -= len(saddles) > 1
     return None
 
 
-def _ways_down(
-    system: System, state: State, step_limit: float, unstable: Stability
-) -> Iterator[tuple[np.ndarray | None, float]]:
-    """Where searches begin that leave an unstable equilibrium (n,), and their shifts, 1/s^2."""
-    found, growth = state.q.copy(), _growth(system, state, unstable.mode)
-    mode = unstable.mode / max(float(np.abs(unstable.mode * levers(system)).max()), 1e-300)
-    tries = [(share * growth, push) for share, push in LEAVING if growth > 0.0]
-    tries += [(shift, ASIDE) for shift in SHIFTS]
-    return ((found + push * step_limit * mode, shift) for shift, push in tries)
+def side_of(system: System, state: State, path: list[tuple[np.ndarray, Stability]], drawn: np.ndarray) -> str:
+    """What decided the side to which unstable equilibria were left: one of `SIDES`. The state is left as it is.
+
+    Where what gains leads no way towards the drawing (n,), the drawing is either that balance, or has come to it along
+    what gains in the drawing itself, to a side. ``path`` holds the unknowns (n,) of each, and how it was judged.
+    """
+    here, side = state.q.copy(), DRAWN
+    for there, judged in path:
+        if judged.meant:
+            continue
+        state.q[:] = drawn
+        led = count_negative(system, state, there).meant
+        side = max(side, ON_THE_WAY if led else ARBITRARY, key=SIDES.index)
+    state.q[:] = here
+    # All that goes with the unknowns is again that of where the state is left.
+    evaluate(system, state, 0.0, 1.0, True, 0.0, 0.0, 1.0, system.spare_factors().matrix, np.zeros(system.size))
+    return side
 
 
-def _on_another_path(system: System, state: State, step_limit: float, drawn: np.ndarray) -> Stability | None:
+class _Way(NamedTuple):
+    """Where a search begins that leaves an unstable equilibrium (n,), its shift, 1/s^2, and what it goes along."""
+
+    begin: np.ndarray
+    shift: float
+    along: Stability
+
+
+def _ways_down(system: System, state: State, step_limit: float, unstable: Stability) -> Iterator[_Way]:
+    """Ways to leave the unstable equilibrium of the state: to the side that is meant, and then to any."""
+    found, along = state.q.copy(), unstable
+    while True:
+        growth = _growth(system, state, along.mode)
+        mode = along.mode / max(float(np.abs(along.mode * levers(system)).max()), 1e-300)
+        tries = [(share * growth, push) for share, push in LEAVING if growth > 0.0]
+        tries += [(shift, ASIDE) for shift in SHIFTS]
+        for shift, push in tries:
+            yield _Way(found + push * step_limit * mode, shift, along)
+        if not along.meant:
+            return
+        state.q[:] = found
+        along = count_negative(system, state)
+
+
+def _keeps_side(system: System, state: State, left: np.ndarray, along: Stability) -> bool:
+    """Whether a search that left unknowns (n,) has ended on the side that is meant: its shift may fade too early."""
+    moved = (state.q - left) * levers(system) ** 2
+    moved[system.algebraic] = 0.0
+    return not along.meant or float(moved @ along.mode) > 0.0
+
+
+def _on_another_path(system: System, state: State, step_limit: float, drawn: np.ndarray) -> Rest | None:
     """Search again from where the first search began (n,), where there is another path: with as little room for all.
 
     Room lets long elements change by more at once than short ones. From a drawing far from rest both paths are a matter
@@ -158,10 +229,10 @@ def _on_another_path(system: System, state: State, step_limit: float, drawn: np.
         find_equilibrium(alike, state, step_limit)
     except StoppedEarly:
         return None
-    there = count_negative(alike, state)
+    there = count_negative(alike, state, drawn)
     if there.negative > 0:
-        return _downhill(alike, state, step_limit, there)
-    return there if there.negative == 0 else None
+        return _downhill(alike, state, step_limit, there, drawn)
+    return Rest(there) if there.negative == 0 else None
 
 
 def _growth(system: System, state: State, mode: np.ndarray) -> float:
@@ -175,20 +246,41 @@ def _growth(system: System, state: State, mode: np.ndarray) -> float:
     return -stiffness / mass if mass > 0.0 else 0.0
 
 
-def count_negative(system: System, state: State) -> Stability:
+def count_negative(system: System, state: State, towards: np.ndarray | None = None) -> Stability:
     """Negative pivots of the stiffness at a state at rest, with t = 0; those that multipliers bring are left out.
 
     The factors count them. Where there are some, the eigenvalues of a small scene show the motion that gains most. They
-    also judge what forces without a potential act on, but only along motions that multipliers take away.
+    also judge what forces without a potential act on, but only along motions that multipliers take away. The motion
+    leads ``towards`` other unknowns (n,) where those that gain do.
     """
     if system.size == 0:
         return Stability(0, 0, np.zeros(0))
     factors = _stiffness(system, state)
     none = _nothing(system, state, factors.matrix)
-    found = _by_pivots(system, factors, none)
+    way = np.zeros(system.size) if towards is None else (towards - state.q) / _extent(system, state)
+    found = _by_pivots(system, factors, none, way)
     if found.negative == 0 or system.size > SMALL:
         return found
-    return _by_eigenvalues(system, _stiffness(system, state).matrix, none)
+    return _by_eigenvalues(system, _stiffness(system, state).matrix, none, way)
+
+
+def _extent(system: System, state: State) -> float:
+    return max(float(np.ptp(np.delete(state.q, system.algebraic))), 1e-300)
+
+
+def _part_along(system: System, modes: np.ndarray, way: np.ndarray) -> np.ndarray:
+    """The part (n,) of a way (n,) along modes (n, m): what is nearest to it in space.
+
+    By stiffnesses the stretch of a rope that its load has shortened would outweigh what is aside.
+    """
+    lever = levers(system)
+    lever[system.algebraic] = 0.0
+    return np.asarray(modes @ np.linalg.lstsq(lever[:, None] * modes, lever * way, rcond=None)[0])
+
+
+def _is_meant(system: System, part: np.ndarray) -> bool:
+    """Whether a part (n,) of a way, in extents of the scene, is more than rounding."""
+    return bool(np.abs(np.delete(part * levers(system), system.algebraic)).max(initial=0.0) > MEANT)
 
 
 def _nothing(system: System, state: State, matrix: Matrix) -> np.ndarray:
@@ -199,7 +291,7 @@ def _nothing(system: System, state: State, matrix: Matrix) -> np.ndarray:
     """
     is_slope = levers(system) < 1.0
     is_slope[system.turns] = True
-    extent = max(float(np.ptp(np.delete(state.q, system.algebraic))), 1e-300)
+    extent = _extent(system, state)
     none = UNBALANCED * system.scale * np.where(is_slope, 1.0, 1.0 / extent)
     pairs, _, _ = neighbours(system)
     pairs = pairs[(pairs >= 0).all(axis=1)]
@@ -243,7 +335,7 @@ def _leave_out(matrix: Matrix, row: int) -> None:
     replace_by_identity(matrix, row)
 
 
-def _by_pivots(system: System, factors: Factors, none: np.ndarray) -> Stability:
+def _by_pivots(system: System, factors: Factors, none: np.ndarray, way: np.ndarray) -> Stability:
     """Count by the factors: as many pivots are negative as eigenvalues (Sylvester's law of inertia).
 
     A multiplier takes away a motion and brings one negative pivot. Its row is given a slight negative entry on the
@@ -272,12 +364,15 @@ def _by_pivots(system: System, factors: Factors, none: np.ndarray) -> Stability:
     if negative == 0:
         return Stability(0, n - 1, np.zeros(0))
     worst = np.setdiff1d(wrong, system.algebraic)
-    mode = _falling(system, factors, size, negative)
-    return Stability(negative, int(worst[0]) if worst.size else n - 1, mode)
+    mode, meant = _falling(system, factors, size, negative, way)
+    return Stability(negative, int(worst[0]) if worst.size else n - 1, mode, meant)
 
 
-def _falling(system: System, factors: Factors, size: np.ndarray, negative: int) -> np.ndarray:
-    """A motion (n,) along which the energy falls, of a stiffness that is factorised: the softest of its own.
+def _falling(
+    system: System, factors: Factors, size: np.ndarray, negative: int, way: np.ndarray
+) -> tuple[np.ndarray, bool]:
+    """A motion (n,) along which the energy falls, of a stiffness that is factorised: the softest of its own; and
+    whether it leads along a way (n,), in extents of the scene.
 
     Lanczos' method with the inverse finds those next to zero, some of which are negative. ``size`` (n,) are the
     stiffnesses of the rows. Any disturbance has a part along a motion that grows: one at random serves where none is
@@ -304,10 +399,12 @@ def _falling(system: System, factors: Factors, size: np.ndarray, negative: int) 
     try:
         _, modes = eigsh(inverse, wanted, metric, 0.0, "SA", any_way, maxiter=LANCZOS, OPinv=inverse)
     except ArpackError:
-        return any_way
+        return any_way, False
+    part = _part_along(system, modes, way)
+    meant = _is_meant(system, part)
     # Which of several motions rounding shows first must not decide.
-    mode = np.asarray(modes @ (modes.T @ (weight * any_way)))
-    return mode / max(float(np.abs(mode).max()), 1e-300)
+    mode = part if meant else np.asarray(modes @ (modes.T @ (weight * any_way)))
+    return mode / max(float(np.abs(mode).max()), 1e-300), meant
 
 
 def _symmetric(matrix: Matrix, k: int) -> bool:
@@ -335,7 +432,7 @@ def _symmetric(matrix: Matrix, k: int) -> bool:
     return all(np.all(np.abs(low - high) <= SKEW * both) for low, high, both in border)
 
 
-def _by_eigenvalues(system: System, matrix: Matrix, none: np.ndarray) -> Stability:
+def _by_eigenvalues(system: System, matrix: Matrix, none: np.ndarray, way: np.ndarray) -> Stability:
     full = dense(matrix)
     rows = np.delete(np.arange(system.size), [*system.algebraic, *system.at_rest])
     full[rows, rows] += none[rows] + ROUNDING * np.abs(full[rows, rows])
@@ -356,10 +453,15 @@ def _by_eigenvalues(system: System, matrix: Matrix, none: np.ndarray) -> Stabili
         return UNKNOWN
     values, modes = np.linalg.eigh(0.5 * (inner + inner.T))
     negative = int((values < 0.0).sum())
-    # A column may fall to any side alike. Which of such motions rounding shows first must not decide.
-    alike = modes[:, values <= values[0] + ALIKE * np.abs(values[0])]
-    any_way = np.random.default_rng(1).uniform(-1.0, 1.0, moves.size)
-    mode = np.zeros(system.size)
-    mode[moves] = (free @ (alike @ (alike.T @ (free.T @ any_way)))) * unit[moves]
+    falling = np.zeros((system.size, negative))
+    falling[moves] = (free @ modes[:, :negative]) * unit[moves, None]
+    mode = _part_along(system, falling, way)
+    meant = _is_meant(system, mode)
+    if not meant:
+        mode = np.zeros(system.size)
+        # A column may fall to any side alike. Which of such motions rounding shows first must not decide.
+        alike = modes[:, values <= values[0] + ALIKE * np.abs(values[0])]
+        any_way = np.random.default_rng(1).uniform(-1.0, 1.0, moves.size)
+        mode[moves] = (free @ (alike @ (alike.T @ (free.T @ any_way)))) * unit[moves]
     worst = int(np.argmax(np.abs(mode)))
-    return Stability(negative, worst, mode / np.abs(mode[worst]))
+    return Stability(negative, worst, mode / np.abs(mode[worst]), meant)

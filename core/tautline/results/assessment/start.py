@@ -38,7 +38,10 @@ class Start:
     far : bool
         Whether that is much of the size of the scene.
     pushed : bool
-        Whether the initial geometry was an unstable equilibrium, and was perturbed.
+        Whether the scene was in an unstable equilibrium, and was perturbed.
+    side : str
+        What decided the side to which it was pushed: ``drawn``, ``on the way`` or ``arbitrary``, as in
+        `tautline.integrators.statics.stability.Rest`. Records that hold none are of scenes drawn in that equilibrium.
     aside : str
         Sentence on how to choose the side to which it is pushed, where that is not by drawing it there.
     at_rest : mapping
@@ -53,6 +56,7 @@ class Start:
     moved_most: str | None = None
     far: bool = False
     pushed: bool = False
+    side: str = "arbitrary"
     aside: str = ""
     at_rest: Mapping[str, Any] = field(default_factory=dict)
 
@@ -80,13 +84,19 @@ class Start:
             )
         if self.found == "relaxed" and self.stable is False:
             told.append(
-                "the relaxed start is unstable: the least disturbance leaves it. Give positions closer to those at "
-                "rest, or a small force across, such as of wind"
+                "the relaxed start is unstable: the least disturbance leaves it. Try `start: static`, a smaller step, "
+                "positions closer to those at rest, or a small force across, such as of wind"
             )
-        elif self.pushed:
+        elif self.pushed and self.side == "arbitrary":
             told.append(
                 "the initial geometry is an unstable equilibrium, as of a column that carries more than Euler's load. "
-                f"It was perturbed, and relaxed from there. The side is arbitrary. {self.aside or DRAWN_ASIDE}"
+                "It was perturbed, and came to rest from there. The side is arbitrary. "
+                f"{self.aside or DRAWN_ASIDE}"
+            )
+        elif self.pushed and self.side == "on the way":
+            told.append(
+                "on its way from the initial geometry to rest the scene came to an unstable equilibrium. It was "
+                "perturbed there, and came to rest from there. Look at the first frame"
             )
         if self.far:
             told.append(
