@@ -63,7 +63,10 @@ def requests(scene: DrillstringScene) -> list[FunctionRequest]:
     )
     rotary = (
         Steering("top.rotary_speed", "rad/s", "rotary speed, clockwise looking downhole", 1),
-        Steering("top.rotary_angle", "rad", "angle of the rotary since the start"),
+        # A string that starts straight is not wound up: turned at its top alone it would be.
+        Steering(
+            "top.rotary_angle", "rad", "angle of the rotary since the start", zero_at_start=scene.start == "straight"
+        ),
     )
     made = [
         FunctionRequest(scene.top.block, end=scene.solver.end, key="top.block", inputs=block),

@@ -35,7 +35,7 @@ from tautline.application.limits import with_limits
 from tautline.application.modelling import attributes_of, settings_of
 from tautline.integrators.statics.attainable import within_rounding
 from tautline.kernels.groups import may_switch
-from tautline.kernels.time_function import sample
+from tautline.kernels.time_function import TimeFunctions, sample
 from tautline.results.variable import Variable
 from tautline.scene.functions import Constant
 from tautline.scene.solver import error_of_steps, unused_alphas
@@ -48,8 +48,14 @@ STEP_ERROR = 1.0e-5
 """Error of a step, m, where the step is chosen and the scene gives none."""
 
 
-def build(scene: DrillstringScene) -> Model:
+def build(scene: DrillstringScene, functions: TimeFunctions | None = None) -> Model:
     """Compile a scene.
+
+    Parameters
+    ----------
+    scene : DrillstringScene
+    functions : TimeFunctions, optional
+        Of the scene, in which block or drive are held at other values: all of the string starts with their speeds.
 
     Returns
     -------
@@ -62,7 +68,7 @@ def build(scene: DrillstringScene) -> Model:
     """
     ready = prepared(scene)
     well, lumps = ready.well, ready.lumps
-    functions = compile_functions(requests(scene))
+    functions = compile_functions(requests(scene)) if functions is None else functions
     law, notes = _law(scene)
     notes += notes_of_ends(scene, lumps.tubes)
     # A note and no warning: the scene may well be meant to be run by each method.
@@ -94,6 +100,7 @@ def build(scene: DrillstringScene) -> Model:
         notes=notes,
         statistics={"rules": JOINED, "possible": _possible(scene, lumps, stored)},
         handles=lambda: handles(scene, lumps, model),
+        anew=lambda held: build(scene, held),
     )  # fmt: skip
     return with_limits(within_rounding(model), scene)
 

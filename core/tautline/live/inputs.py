@@ -255,6 +255,11 @@ class Inputs(Unpickled, Mapping[str, Any]):
             raise SimulationError(f"{name} = {value!r} is no vector", f"give {len(parts)} numbers")
         return list(zip(parts, value, strict=True))
 
+    def begin_all(self, values: Mapping[str, Any]) -> None:
+        """Hold several inputs at values from now on, as `begin` does, whose errors it raises."""
+        for name, value in values.items():
+            self.begin(name, value)
+
     def begin(self, name: str, value: Any) -> None:
         """Hold an input at a value from now on, until another is given: at once, so before the start is found.
 

@@ -27,6 +27,8 @@ class Kept:
         Numbers of a frame; the first is its time.
     span : float
         Frames older than this before the newest are dropped, s.
+    tolerance : float
+        Within which two times are one, s: the frame that is just as old as the span is kept.
 
     Attributes
     ----------
@@ -39,8 +41,8 @@ class Kept:
         Time of a restored state before which frames are missing, for they were those of another run, s.
     """
 
-    def __init__(self, width: int, span: float = math.inf) -> None:
-        self.width, self.span = width, span
+    def __init__(self, width: int, span: float = math.inf, tolerance: float = 0.0) -> None:
+        self.width, self.span, self.tolerance = width, span, tolerance
         self._rows = np.zeros((BLOCK if span > 0.0 else 0, width))
         self._first = self._last = 0
         self.dropped = 0
@@ -79,7 +81,7 @@ class Kept:
         if not self.span > 0.0:
             self.dropped += 1
             return
-        oldest = row[0] - self.span
+        oldest = row[0] - self.span - self.tolerance
         while self._first < self._last and self._rows[self._first, 0] < oldest:
             self._first += 1
             self.dropped += 1
@@ -137,7 +139,7 @@ class Kept:
 
     def copy(self) -> Kept:
         """The same frames, kept apart."""
-        other = Kept(self.width, self.span)
+        other = Kept(self.width, self.span, self.tolerance)
         other._rows, other._first, other._last, other.dropped = self._rows.copy(), self._first, self._last, self.dropped
         other.start, other.mark, other.joined = self.start, self.mark, self.joined
         other._starts, other._newest, other._told = self._starts, self._newest, self._told

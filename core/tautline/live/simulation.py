@@ -113,11 +113,13 @@ class Simulation:
         begin, held = values_of(parameters, "parameters"), values_of(initial, "initial")
         model = self._application.build(self._application.driven(self.scene, self._named))
         self._prepare(model)
+        self.inputs.begin_all(held)
+        if held and model.anew is not None:
+            self._prepare(model.anew(model.system.functions))
+            self.inputs.begin_all(held)
         for name, value in begin.items():
             self.parameters[name] = value
         self.parameters.check()
-        for name, value in held.items():
-            self.inputs.begin(name, value)
         self._start()
 
     def _prepare(self, model: Model) -> None:
@@ -153,7 +155,7 @@ class Simulation:
         self._ties = Ties()
         self._observed: Mapping[str, np.ndarray] | None = None
         span = math.inf if self._keep is True else float(self._keep)
-        self._kept = Kept(self._frames.rows.shape[1], span)
+        self._kept = Kept(self._frames.rows.shape[1], span, self._tolerance)
 
     def _start(self) -> None:
         """Compile what is missing, find the start, and keep the first frame."""

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from tautline.kernels.time_function import TimeFunctions
 from tautline.system.handles import Handles
 from tautline.system.system import System
 
@@ -125,6 +126,10 @@ class Model:
         saved state of a simulation holds them.
     statistics : mapping
         Fields of `Keep` that are the application's: variables that are watched where the scene names none, and so on.
+    anew : callable or None
+        Functions of time of this model, which something may have written into -> the model of the same scene with them,
+        for an application whose builder takes from them how all of the scene moves at t = 0. None where it takes
+        nothing that the start does not find again.
     """
 
     system: System
@@ -159,6 +164,7 @@ class Model:
     cause: Callable[[Any, Any], tuple[Any, int, str] | None] | None = None
     at_rest: Callable[[], Mapping[str, np.ndarray]] | None = None
     memory: Mapping[str, np.ndarray] = field(default_factory=dict)
+    anew: Callable[[TimeFunctions], Model] | None = None
 
     def seen(self, frames: Any) -> Mapping[str, np.ndarray]:
         """Variables of frames that stay as they are, made on demand where that can be: few may be asked for."""

@@ -34,6 +34,7 @@ from tautline.cable.model.ties import check_sound, constraint_groups, equations_
 from tautline.cable.short_waves import overtaken
 from tautline.constraints.multiplier import Multipliers
 from tautline.integrators.statics.attainable import MANY, within_rounding
+from tautline.kernels.time_function import TimeFunctions
 from tautline.scene.solver import error_of_steps, unused_alphas
 from tautline.system.model import Model
 from tautline.system.system import System, assemble
@@ -56,8 +57,14 @@ class Assembly(NamedTuple):
     notes: list[str]
 
 
-def assemble_cables(scene: CableScene, more: Callable[[Layout], list[Any]] = lambda layout: []) -> Assembly:
+def assemble_cables(
+    scene: CableScene,
+    more: Callable[[Layout], list[Any]] = lambda layout: [],
+    functions: TimeFunctions | None = None,
+) -> Assembly:
     """Number a scene's unknowns and make its groups; ``more`` adds an application's own.
+
+    ``functions`` are those of the scene, in which some are held at other values: what is driven at one rate flows on.
 
     An application's groups may couple what an element couples already, and nothing else.
 
@@ -70,7 +77,7 @@ def assemble_cables(scene: CableScene, more: Callable[[Layout], list[Any]] = lam
     material = material_coordinates(scene)
     lengths = [abs(material[e.nodes[1]] - material[e.nodes[0]]) for e in scene.elements]
     mass, force = mass_of(scene), largest_force(scene)
-    layout = Layout(scene, material, force, float(np.median(lengths)))
+    layout = Layout(scene, material, force, float(np.median(lengths)), functions)
     made = equations_of(layout)
     check_sound(layout, made)
     sections = Sections(scene.elements)
@@ -106,8 +113,8 @@ def assemble_cables(scene: CableScene, more: Callable[[Layout], list[Any]] = lam
     return Assembly(layout, system, observer, lengths, notes)
 
 
-def build(scene: CableScene) -> Model:
-    """Compile a scene.
+def build(scene: CableScene, functions: TimeFunctions | None = None) -> Model:
+    """Compile a scene; see :func:`assemble_cables`.
 
     Returns
     -------
@@ -118,7 +125,7 @@ def build(scene: CableScene) -> Model:
     SceneError
         As :func:`assemble_cables` does.
     """
-    layout, system, observer, lengths, notes = assemble_cables(scene)
+    layout, system, observer, lengths, notes = assemble_cables(scene, functions=functions)
     notes += unused_alphas(scene.solver)
     solver = scene.solver
     error = error_of_steps(solver, ERROR * sum(lengths))
@@ -152,6 +159,7 @@ def build(scene: CableScene) -> Model:
             or stiff_tie(layout, system, state, status)
             or stiff_along(system, state, status)
         ),
+        anew=lambda held: build(scene, held),
     )  # fmt: skip
     return with_limits(within_rounding(model, "eps_energy", MANY, rounding_error(scene)), scene)
 

@@ -42,8 +42,18 @@ class Layout:
         At t = 0, m/s.
     """
 
-    def __init__(self, scene: CableScene, material: dict[int, float], force: float, length: float) -> None:
-        """Lay out the nodes; ``force`` N and ``length`` m are large in the scene."""
+    def __init__(
+        self,
+        scene: CableScene,
+        material: dict[int, float],
+        force: float,
+        length: float,
+        functions: TimeFunctions | None = None,
+    ) -> None:
+        """Lay out the nodes; ``force`` N and ``length`` m are large in the scene.
+
+        ``functions`` are its functions of time where some are held at other values.
+        """
         self.scene = scene
         ids, kinds = [node.id for node in scene.nodes], [int(node.kind) for node in scene.nodes]
         ends = np.cumsum([0, *kinds])
@@ -70,7 +80,9 @@ class Layout:
         scale = np.append(scale, np.full(len(streams), force))
         self.degrees = Degrees(names, value, scale)
         self.velocity = np.zeros(value.size)
-        self.functions = self._follow()
+        self.requests = [request_of(motion, scene.solver.end) for motion in scene.motions]
+        self.functions = compile_functions(self.requests) if functions is None else functions
+        self._follow()
         for coupling in scene.couplings:
             masters = [(self.dof(node, dof), factor) for node, dof, factor in coupling.masters]
             self.degrees.tie(self.dof(*coupling.slave), masters, coupling.f0)
@@ -139,11 +151,9 @@ class Layout:
         """Whether a degree of freedom is fixed, prescribed, or follows only such ones."""
         return all(i in self.degrees.motion for i, _ in self.degrees.resolved(place))
 
-    def _follow(self) -> TimeFunctions:
-        """Hold and prescribe as the nodes say; returns the scene's functions of time."""
-        index = {motion.id: k for k, motion in enumerate(self.scene.motions)}
-        self.requests = [request_of(motion, self.scene.solver.end) for motion in self.scene.motions]
-        functions = compile_functions(self.requests)
+    def _follow(self) -> None:
+        """Hold and prescribe as the nodes say."""
+        index, functions = {motion.id: k for k, motion in enumerate(self.scene.motions)}, self.functions
         held = {held: [k for k, flag in enumerate(held) if flag] for held in {node.held for node in self.scene.nodes}}
         for node, start in zip(self.scene.nodes, self.starts.tolist(), strict=True):
             for k in held[node.held]:
@@ -158,7 +168,6 @@ class Layout:
         for stream, place in self.flow.items():
             self.degrees.prescribe(place, index[stream])
             self.velocity[place] = value_at(functions, index[stream], 0.0)[1]
-        return functions
 
     def _settle(self) -> None:
         """Give what is coupled, and what follows a function, its value and velocity at t = 0."""
@@ -180,13 +189,15 @@ class Layout:
 def request_of(motion: Any, end: float) -> FunctionRequest:
     """The function of time of a motion, good up to a time, s: its value, or what it has moved since the start."""
     name = f"function {motion.id}"
-    place = Steering(name, "m", f"what follows {name}, since the start"), Steering(f"{name}.rate", "m/s", "its rate", 1)
+    its_rate = Steering(f"{name}.rate", "m/s", "its rate", 1)
     if motion.function is not None:
-        value = Steering(name, "m", f"what follows {name}"), place[1]
+        value = Steering(name, "m", f"what follows {name}"), its_rate
         return FunctionRequest(motion.function, end=end, key=name, inputs=value)
     if motion.rate is not None:
         key = join_key(motion.place)
         speed = (Steering(key, "m/s", "its speed", 1, motion.factor),)
         return FunctionRequest(motion.rate, integrate=True, end=end, key=key, factor=motion.factor, inputs=speed)
     rate = Table(time=motion.times, value=motion.velocities, interpolation="linear")
+    # Only what follows it would be elsewhere at the start, and the rope stay as it is drawn.
+    place = Steering(name, "m", f"what follows {name}, since the start", zero_at_start=True), its_rate
     return FunctionRequest(rate, integrate=True, end=end, key=name, inputs=place)
