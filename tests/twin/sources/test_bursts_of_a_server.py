@@ -1,12 +1,16 @@
 """OPC UA: what a server sends together, variable by variable, is taken in the order in which it was measured."""
 
+import math
 from datetime import UTC, datetime
 from itertools import pairwise
+from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 from tautline.twin.signals.rows import Rows
 from tautline.twin.sources.connection import Connection
+from tautline.twin.sources.opc_ua import client
 from tautline.twin.sources.opc_ua.client import OpcUa, _seconds
 from tautline.twin.sources.opc_ua.holding import Change
 
@@ -176,6 +180,93 @@ def test_a_stream_without_pauses_is_not_gathered_without_end(opcua):
     while opcua.poll(0.0) is None:
         pass
     assert opcua._queue.qsize() > 500
+
+
+def queued(source, count, size, step, stamp, alive):
+    """Records of so many stamps, in bursts of `size` stamps, with a sign of life after every so many.
+
+    The first hundred come one by one.
+    """
+    send_first(source)
+    for k in range(1, count + 1):
+        arrived = 1000.0 + step * (k if k <= 100 else size * math.ceil(k / size))
+        for name in COLUMNS:
+            source._put(Change(stamp(name, k), name, truth(name, k), arrived))
+        if k % alive == 0 or (k <= 100 and size > 1):
+            source._put(arrived + 1e-3)
+    return records(source)
+
+
+BURSTS = [(0.1, 20, 20), (0.1, 5, 5), (0.01, 1, 100), (0.01, 1, 10), (0.01, 5, 5)]
+"""Step of stamps, s; stamps in a burst; and after how many the server says that it is alive."""
+
+
+@pytest.mark.parametrize(("step", "size", "alive"), BURSTS)
+@pytest.mark.parametrize("by", [-1.5, -1.01, 5.5])
+@pytest.mark.parametrize("delay", [None, 3.0])
+def test_one_stamp_out_of_order_tears_no_row_apart_and_is_no_clock_that_was_set_back(
+    opcua, step, size, alive, by, delay
+):
+    odd = 253
+
+    def stamp(name, k):
+        return BEGIN + step * (k + (by if (name, k) == ("winch", odd) else 0.0))
+
+    found, rows = answered(queued(opcua, 500, size, step, stamp, alive), delay)
+    assert not rows.notes and not rows.counts["clock set back"] and rows.counts["late"] <= 1
+    found += [*iter(lambda: rows.ready(end=True), None)]
+    steps = {round((row.time - BEGIN) / step): row for row in found if np.isfinite(row.values).all()}
+    assert set(range(501)) - set(steps) <= {odd}
+    for k, row in steps.items():
+        true = k if k != odd else row.values[1] / truth("heave", 1)
+        assert row.values.tolist() == pytest.approx([truth(name, true) for name in COLUMNS])
+
+
+@pytest.mark.parametrize("back", [30.5, 36000.0])
+@pytest.mark.parametrize("at", [241, 245, 251, 256])
+def test_a_clock_that_is_set_back_by_several_readings_within_bursts_is_told_and_no_reading_is_lost(opcua, at, back):
+    def stamp(name, k):
+        return BEGIN + STEP * (k - (back if k >= at else 0.0))
+
+    found, rows = answered(queued(opcua, 500, 20, STEP, stamp, 20), 2.5)
+    found += [*iter(lambda: rows.ready(end=True), None)]
+    assert rows.counts["clock set back"] == 1 and len(rows.notes) == 1 and len(found) == 501
+    for k, row in enumerate(found):
+        assert row.values.tolist() == pytest.approx([truth(name, k) for name in COLUMNS])
+
+
+@pytest.mark.parametrize("each", [7, 100, 1000])
+def test_a_burst_that_is_minutes_late_is_whole_where_signs_of_life_come_in_between(opcua, each):
+    send_first(opcua)
+    send(opcua, range(1, 51), 1005.0)
+    opcua._put(1005.1)
+    records(opcua)
+    for n, (name, k) in enumerate((name, k) for name in COLUMNS for k in range(51, 1251)):
+        if n % each == each - 1:
+            opcua._put(1125.0 + 1e-5 * n)
+        opcua._put(Change(BEGIN + STEP * k, name, truth(name, k), 1125.0 + 1e-5 * n))
+    found = measured_records(opcua, BEGIN + 5.05)
+    assert len(found) == 1200 and all(is_whole(one) for one in found)
+
+
+@pytest.mark.parametrize("each", [0.005, 0.015])
+def test_a_stream_that_comes_one_by_one_is_held_for_a_period_at_most(opcua, monkeypatch, each):
+    now, sent = 2000.0, 0
+
+    def take(timeout):
+        nonlocal now, sent
+        came = 2000.0 + each * (sent + 1)
+        if came > now + timeout:
+            now += timeout
+            return None
+        now, sent = max(now, came), sent + 1
+        return Change(BEGIN + each * sent, "winch", 0.0, came)
+
+    monkeypatch.setattr(client, "clock", SimpleNamespace(monotonic=lambda: now))
+    monkeypatch.setattr(opcua, "_take", take)
+    gathered = opcua._gather(take(1.0))
+    assert 0.03 < now - gathered[0].arrived < 1e-3 * client.PERIOD + client.GATHER
+    assert len(gathered) == sent > 2
 
 
 def test_a_stamp_at_the_begin_of_opc_ua_time_is_none():

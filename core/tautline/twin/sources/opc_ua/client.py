@@ -40,9 +40,11 @@ MOST = 100_000
 PORT = 4840
 PERIOD = 50.0
 """How often the server is asked to send changes, ms."""
-GATHER, LONGEST_GATHERED = 0.02, 1.0
-"""How long the rest of what is sent together is waited for, and how long that may take in all, s: a stream without
-pauses has no end."""
+GATHER, HURRIED = 0.02, 0.002
+"""Pause that ends what is sent together, and such a pause once a period has gone by, s: a stream whose readings come
+one by one may have none of the first kind, and is not held up longer; a long notification comes without one."""
+LONGEST_GATHERED = 1.0
+"""How far apart readings may arrive that are taken together, s."""
 DELAYS = (0.5, 15.0)
 """Shortest and longest time between attempts to connect again, s."""
 KEEPALIVES = 5
@@ -263,13 +265,22 @@ class OpcUa:
         return self._made.popleft() if self._made else None
 
     def _gather(self, first: Change) -> list[Change]:
-        """A change and those that have come with it, up to a pause or a sign of life."""
-        found = [first]
-        more: Heard | None
-        while isinstance(more := self._take(GATHER), Change) and more.arrived - first.arrived <= LONGEST_GATHERED:
-            found.append(more)
-        self._next = more
-        return found
+        """A change and those that have come with it, up to a pause, or a sign of life that none follows at once."""
+        found, begun, alive = [first], clock.monotonic(), None
+        while True:
+            more = self._take(GATHER if clock.monotonic() - begun < 1e-3 * PERIOD else HURRIED)
+            if isinstance(more, Change) and more.arrived - first.arrived <= LONGEST_GATHERED:
+                found.append(more)
+            elif isinstance(more, float) and self._goes_on(found[-1]):
+                alive = more
+            else:
+                self._next = alive if more is None else more
+                return found
+
+    def _goes_on(self, last: Change) -> bool:
+        """Whether the next in the queue is a change that came without a pause: a sign of life was between both."""
+        following = next(iter(self._queue.queue), None)
+        return isinstance(following, Change) and following.arrived - last.arrived <= GATHER
 
     def take_change(self, change: Change) -> None:
         """Put a change into the queue; one that finds no room is counted."""
@@ -437,7 +448,7 @@ class _Handler:
 def _seconds(stamp: Any, otherwise: float) -> float:
     """A stamp of OPC UA in seconds since 1970; UTC, which it has no zone for.
 
-    None is sent as the begin of 1601, and may be read so (part 6, 5.2.2.5).
+    None is sent as the beginning of 1601, and may be read so (part 6, 5.2.2.5).
     """
     if stamp is None or stamp.year <= NO_YEAR:
         return otherwise
