@@ -1,6 +1,7 @@
 """Files for ParaView, read back by VTK's own readers: times, parts, points, arrays with units; and what is left."""
 
 import hashlib
+import os
 import re
 import resource
 import subprocess
@@ -349,3 +350,21 @@ def test_what_the_axes_are_is_a_note_of_the_file(tmp_path):
     write_paraview(look, result_of(look), tmp_path / "all.pvd")
     notes = blocks(tmp_path / "all.pvd", 0.0)["rope"].field_data["notes"]
     assert list(notes) == ["offsets are drawn larger", "x is east"] and look.remarks == seen().remarks
+
+
+def test_an_export_that_failed_while_files_took_their_names_can_be_given_again(tmp_path, monkeypatch):
+    write_paraview(seen(), result_of(seen()), tmp_path / "all.pvd")
+    replace, named = os.replace, []
+
+    def fail(old, new):
+        named.append(new)
+        if len(named) == 4:
+            raise OSError(5, "Input/output error")
+        replace(old, new)
+
+    with monkeypatch.context() as patch, pytest.raises(WriteError):
+        patch.setattr("tautline.view.files.paraview.os.replace", fail)
+        write_paraview(seen(3), result_of(seen(3)), tmp_path / "all.pvd")
+    write_paraview(seen(3), result_of(seen(3)), tmp_path / "all.pvd")
+    assert pv.get_reader(tmp_path / "all.pvd").time_values == TIME[:3].tolist()
+    assert sorted(one.name for one in tmp_path.iterdir()) == ["all", "all.pvd"]

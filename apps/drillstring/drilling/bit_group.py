@@ -164,7 +164,8 @@ def _hold(g: RockBit | BladeBit) -> None:
 def _onward(g: BladeBit, q: np.ndarray, v: np.ndarray) -> list[int]:
     """The angle of a bit whose blades go on cutting: right behind it is what they have cut already."""
     newest = g.ring[g.head[0], 0]
-    return [g.turn] if g.row[0].placed == 1 and v[g.turn] > 0.0 and q[g.turn] >= newest else []
+    turns = g.row[0].placed == 1 and g.row[0].settled == SLIP and v[g.turn] > 0.0
+    return [g.turn] if turns and q[g.turn] >= newest else []
 
 
 def _sticks(g: RockBit | BladeBit, t: float) -> list[Stuck]:

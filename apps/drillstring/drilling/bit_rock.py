@@ -17,6 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from drillstring.groups.friction import SLIP
 from tautline.kernels.dispatch import by_type
 from tautline.kernels.jit import kernel
 
@@ -254,7 +255,8 @@ def _measure_blades(g, t, q, v, way):
     slope[WEIGHT, DEPTH] = b.cut_weight * blades + presses
     slope[KINETIC, DEPTH] = b.cut_torque * blades + b.below * presses
     # One that stands at the end of what it has cut is on its way beyond that while it turns forward.
-    if q[g.turn] > newest or (q[g.turn] == newest and v[g.turn] > 0.0):
+    turns = b.settled == SLIP and v[g.turn] > 0.0
+    if q[g.turn] > newest or (q[g.turn] == newest and turns):
         slope[WEIGHT, ANGLE] = -b.cut_weight * blades * falls
         slope[KINETIC, ANGLE] = -b.cut_torque * blades * falls
     for k in range(4):

@@ -1,5 +1,7 @@
 """The bit on bottom: tangents are differences of residuals, powers balance, and a step's rate is solved for exactly."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from kernels.strings import short_string as string
@@ -271,6 +273,15 @@ def test_a_bit_off_bottom_bears_nothing_and_its_flats_meet_the_rock_where_they_l
     for share in (0.1, 0.7):
         set_to(group, 5.0, (1.0 - share) * unloaded, angle)
         assert recorded(group)[0] == pytest.approx(share * weight, rel=1e-9)
+
+
+@pytest.mark.parametrize(("settled", "moves"), [(SLIP, [TURN]), (STICK, [])])
+def test_a_bit_that_sticks_does_not_move_on_whatever_its_creep(settled, moves):
+    q, v = np.zeros(18), np.zeros(18)
+    v[TURN] = 4.6e-11
+    group = blade_bit(SimpleNamespace(q=q), settled=settled, status=settled)
+    q[TURN] = group.ring[group.head[0], 0]
+    assert over.known_of(group).onward(group, q, v) == moves
 
 
 @pytest.mark.parametrize("angle", [0.7, 5.0, 20.0])

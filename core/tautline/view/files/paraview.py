@@ -68,14 +68,15 @@ def write_paraview(
     ResultError
         If something else would be lost, or the folder is missing.
     WriteError
-        If writing fails. Nothing is left of it then, and an earlier export stays whole.
+        If writing fails. Nothing is left of it then, and an earlier export stays whole; but for one that fails while
+        files take their names, after which the same export may be given again.
     """
     path = Path(path)
     path = path if path.suffix.lower() == ".pvd" else path.with_name(path.name + ".pvd")
     folder = path.with_name(path.stem)
     check_target(path, appearance)
     waiting = path.with_name(f".{for_hidden(path.stem)}.{uuid4().hex[:8]}.part")
-    listed = path.with_name(f"{waiting.name}.pvd")
+    listed, both = (path.with_name(f"{waiting.name}.{ending}") for ending in ("pvd", "both"))
     try:
         waiting.mkdir()
     except OSError as error:
@@ -85,11 +86,12 @@ def write_paraview(
             files = _write_frames(appearance, result, waiting, progress)
             listed.write_text(_collection(appearance.time, files, folder.name), encoding="utf8")
             # All is on the disk: from here on files only take their names, the collection last.
-            _replace(waiting, folder, path)
+            _replace(waiting, folder, path, both)
             os.replace(listed, path)
         finally:
             shutil.rmtree(waiting, ignore_errors=True)
             listed.unlink(missing_ok=True)
+            both.unlink(missing_ok=True)
     except OSError as error:
         raise WriteError(path, f"cannot be written: {error.strerror or error}", CURE) from None
     named = dict.fromkeys(name for _, names in files for name in names)
@@ -262,14 +264,19 @@ def _frames_of(path: Path, folder: Path) -> set[str]:
     return {file.name for file in files if file.parent == Path(folder.name)}
 
 
-def _replace(waiting: Path, folder: Path, path: Path) -> None:
-    """Put new frames in the place of those that an earlier ``.pvd`` names; other files in the folder stay."""
+def _replace(waiting: Path, folder: Path, path: Path, both: Path) -> None:
+    """Put new frames in the place of those that an earlier ``.pvd`` names; other files in the folder stay.
+
+    Meanwhile the ``.pvd`` names old frames and new ones: whatever ends this, they are known as its own.
+    """
+    old = {name for name in _frames_of(path, folder) if name.endswith(".vtp")}
+    named = sorted(old.union(file.name for file in waiting.iterdir()))
+    both.write_text(_collection(np.zeros(1), [(name, [name]) for name in named], folder.name), encoding="utf8")
+    os.replace(both, path)
     if not folder.exists():
         os.replace(waiting, folder)
         return
-    for name in _frames_of(path, folder):
-        if name.endswith(".vtp"):
-            (folder / name).unlink(missing_ok=True)
-    path.unlink(missing_ok=True)
+    for name in old:
+        (folder / name).unlink(missing_ok=True)
     for file in sorted(waiting.iterdir()):
         os.replace(file, folder / file.name)
