@@ -7,7 +7,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from tautline.scene.values.printed import rounded
+from tautline.scene.values.printed import digits_apart, rounded, significant
 
 
 @pytest.mark.parametrize("up", [False, True])
@@ -47,3 +47,20 @@ def test_a_number_that_is_beside_its_digits_by_what_it_is_known_to_is_not_rounde
 @pytest.mark.parametrize("value", [0.0, math.inf, -math.inf])
 def test_what_has_no_digits_stays_what_it_is(value):
     assert rounded(value, 2) == value == rounded(value, 2, up=True)
+
+
+@pytest.mark.parametrize("up", [False, True])
+@pytest.mark.parametrize("value", [1e-320, -3e-322, 1.234e-300, 2.3e-308, 1.5e308])
+def test_the_least_and_the_largest_numbers_are_rounded_to_one_side_too(value, up):
+    found, least = rounded(value, 3, up=up), 5e-324
+    assert math.isfinite(found) and abs(found - value) <= max(2.0 * least, 0.01 * abs(value))
+    assert found >= value - least if up else found <= value + least
+
+
+@pytest.mark.parametrize(("one", "other", "wanted"), [
+    (1e6, 1e6 + 1e-10, 15), (1e6, 1e6, 4), (1.0, math.nextafter(1.0, 2.0), 15), (0.0, 5e-324, 4),
+    (8.6, 8.6004, 6), (8.6, 9.7, 4), (1e9, 1e9 + 1e-4, 15),
+])  # fmt: skip
+def test_digits_that_show_a_difference_are_no_more_than_numbers_have(one, other, wanted):
+    assert digits_apart(one, other) == wanted
+    assert float(significant(other, wanted)) == pytest.approx(other, rel=1e-3)

@@ -105,3 +105,40 @@ def test_samples_at_the_edge_of_the_reach_count_whatever_stamps_count_from(base)
     assert smooth(times, values, times[10], 3 * STEP) == pytest.approx(
         smooth(STEP * np.arange(-10, 11), values, 0.0, 3 * STEP + 1e-3), rel=1e-4, abs=1e-4
     )
+
+
+@pytest.mark.parametrize("base", [*BASES, 1.8e9])
+@pytest.mark.parametrize("first", [0.3, 0.400001, 0.123456])
+def test_rows_one_microsecond_apart_are_two_rows_whatever_stamps_count_from(base, first):
+    rows = Rows(["x"], 1.0)
+    for k in range(50):
+        rows.add(float(f"{base + first:.6f}") if not k else float(f"{base + first + 1e-6 * k:.6f}"), {"x": float(k)})
+    assert [row.values[0] for row in handed_on(rows)] == list(range(50)) and not rows.counts and not rows.notes
+
+
+@pytest.mark.parametrize(("first", "asks"), [(0.0, True), (0.25, True), (0.123, True), (0.123456, False)])
+def test_stamps_with_microseconds_are_not_asked_to_have_milliseconds(first, asks):
+    rows = Rows(["x"], 0.0)
+    for k in range(40):
+        rows.add(1.8e9 + first + k // 4, {"x": float(k)})
+        handed_on(rows)
+    (note,) = rows.notes
+    assert ("milliseconds" in note) is asks and "the first one of a stamp counts" in note
+
+
+def test_a_first_row_from_the_future_does_not_make_late_readings_a_clock_that_was_set_back():
+    """Only what was repeated is ahead of these readings: as without that row."""
+    counts = []
+    for future in (False, True):
+        rows, base = Rows(["a", "b"], 0.0, live=True), 1.8e9
+        if future:
+            rows.add(base + 1e6, {"a": 0.0, "b": 0.0}, 99.9)
+        for k in range(40):
+            repeated = ["a", "b"] if k >= 20 else []
+            rows.add(base + STEP * k, {"a": float(min(k, 19)), "b": 0.0}, 100.0 + STEP * k, repeated)
+            while rows.ready() is not None:
+                pass
+        for k in range(20, 40):
+            rows.add(base + STEP * k + 1e-7, {"a": float(k), "b": 0.0}, 104.0)
+        counts.append((rows.counts["late"], rows.counts["clock set back"]))
+    assert counts == [(20, 0)] * 2

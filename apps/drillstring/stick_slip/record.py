@@ -143,17 +143,17 @@ def _unjudged(cells: Sequence[Cell], system: str) -> Iterator[str]:
 
 
 def _dying_out(cells: Sequence[Cell]) -> Iterator[str]:
-    """Where a swing of the bit still falls as the runs of one weight end, and how long they should be."""
+    """Where the starting transient of the bit still falls as runs of one weight end, and how long they should be."""
     fading = [cell for cell in cells if cell.dies_out]
     if fading:
         least, most = (f"{pick(cell.so_far for cell in fading):.2f}" for pick in (min, max))
         severity = most if least == most else f"{least} to {most}"
-        cause = f"the starting transient of the bit has not decayed{_at(fading, cells)}: severity {severity}"
-        yield f"{cause} at the end, and it falls. Give --end '{enough_of(fading)}'"
+        cause = f"the starting transient of the bit has not decayed (`dying out`){_at(fading, cells)}"
+        yield f"{cause}: severity {severity} at the end, and it falls. Give --end '{enough_of(fading)}'"
 
 
 def enough_of(fading: Sequence[Cell]) -> str:
-    """A length of run in which the swings of all of them die out."""
+    """A length of run in which the starting transients of all of them decay."""
     return quantity(rounded(max(cell.enough for cell in fading), 2, up=True), "s")
 
 

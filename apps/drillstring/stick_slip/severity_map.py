@@ -44,13 +44,13 @@ NOT_RUN = "not run"
 
 class Cell(NamedTuple):
     """One run, in SI; numbers of a run that did not come to its end are NaN, and the severity of a bit that rocks,
-    does not turn, first turns in the part of the run that is judged, or whose swing still dies out.
+    does not turn, first turns in the part of the run that is judged, or whose starting transient has not decayed.
 
     Rotary speed and weight asked for; of the bit's rotary speed severity, share of time stuck, mean, least and largest;
     means of torque on bit, weight on bit and rate of penetration; how it ended, and why if early; run time; the torque
     at which its drive stalls, NaN if it does not; whether the bit first turned in the part that is judged; whether
-    that part is too short to show a swing; of a swing that still dies out the severity so far, and the length of run
-    that is enough, NaN of another.
+    that part is too short to show a swing; of a transient that has not decayed the severity so far, and the length of
+    run that is enough, NaN of another.
     """
 
     speed: float

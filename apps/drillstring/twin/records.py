@@ -49,7 +49,11 @@ SHARES = Wanted(
     MAPPING.is_one,
     lambda shares: all(is_number(share) and 0.0 <= share < inf for share in shares.values()),
 )
-SEED = Wanted("a whole number from 0 on", is_whole, lambda value: value >= 0)
+SEED = Wanted(
+    "a whole number from 0 on, a Generator of numpy, or None for another noise each time,",
+    lambda value: value is None or isinstance(value, np.random.Generator) or is_whole(value),
+    lambda value: not is_whole(value) or value >= 0,
+)
 TABLE = Wanted('a mapping of names to values, such as {"time": [0.0, 0.1]}', MAPPING.is_one)
 
 
@@ -125,7 +129,7 @@ def connections(
     *,
     rate: float = 10.0,
     noise: Mapping[str, float] = NOISE,
-    seed: int = 0,
+    seed: int | np.random.Generator | None = 0,
 ) -> dict[str, np.ndarray]:
     """A record of connections in a row, each with the string a stand deeper.
 
@@ -142,8 +146,9 @@ def connections(
         Samples a second.
     noise : mapping
         Column -> standard deviation of white noise as a share of the reading; 1 % of hook load and torque.
-    seed : int
-        Of the noise.
+    seed : int, Generator or None
+        Of the noise: the same number makes the same. A generator goes on from where it is, and None is another noise
+        each time.
 
     Returns
     -------

@@ -7,9 +7,10 @@ from collections.abc import Mapping
 
 import numpy as np
 
-ONE_STAMP = 1e-6
+ONE_STAMP = 0.5e-6
 """Stamps that are no further apart than this are one, and times between stamps count as long enough so much sooner, s.
-Seconds since 1970 have doubles in steps of 2.4e-7 s, so that each stamp, and each time between two, is off by one."""
+Seconds since 1970 have doubles in steps of 2.4e-7 s, so that two roundings are no more than 4.8e-7 s apart. Stamps are
+written with microseconds: those that differ by one are two."""
 LONG_GAP = 120.0
 """Step of stamps that is a gap however little is known of the sample interval, s: it is not simulated."""
 AT_ONCE, TOLD_BY = 2.0, 1.0

@@ -1,4 +1,4 @@
-"""Runs of the map of stick-slip that end while the swing that the start gave still dies out: no severity is drawn."""
+"""Runs of the map of stick-slip that end before the starting transient has decayed: no severity is drawn."""
 
 import csv
 import math
@@ -92,7 +92,11 @@ def test_a_short_end_gives_no_severity_where_the_bit_will_turn_steadily_and_name
     report, told = mapped(drillstring_, "30 s")
     assert report["severity"] == [[None, None]] and report["verdict"] == [["dying out", "dying out"]]
     assert all(0.01 < one < 0.3 for one in report["severity_so_far"][0])
-    assert told.count("dying out") == 2 and "has not decayed: severity" in told and "does not stick from 80 rpm" in told
+    assert (
+        told.count("dying out") == 3
+        and "has not decayed (`dying out`): severity" in told
+        and "does not stick from 80 rpm" in told
+    )
     (needed,) = {math.ceil(one) for one in report["end_needed"][0]}
     assert f"--end '{needed} s'" in told
     with Path("drilling_stick_slip.csv").open(newline="", encoding="utf8") as file:
@@ -139,5 +143,7 @@ def test_a_swing_that_dies_out_is_marked_in_table_and_figure_and_its_bit_counts_
     assert "dying\nout" in [text.get_text() for text in figure.axes[0].texts]
     assert "grey: dying out" in [text.get_text() for text in figure.legends[0].get_texts()]
     texts = [text for text, _ in sentences(found, "si")]
-    assert "has not decayed at 90 rpm: severity 0.62 at the end, and it falls. Give --end '97 s'" in texts[0]
+    assert (
+        "has not decayed (`dying out`) at 90 rpm: severity 0.62 at the end, and it falls. Give --end '97 s'" in texts[0]
+    )
     assert "sticking ends between 60 rpm and 90 rpm" in texts[1]

@@ -66,10 +66,20 @@ def test_what_is_no_scene_of_a_drill_string_is_refused_in_a_sentence(of):
     ({"noise": {"hookload": 0.1}}, ArgumentError, "there is no 'hookload'; give some of time"),
     ({"noise": {"hook_load": -0.1}}, ArgumentError, "a mapping of columns to shares"),
     ({"seed": -1}, ArgumentError, "a whole number from 0 on"),
+    ({"seed": 1.5}, ArgumentTypeError, "a Generator of numpy, or None"),
 ])  # fmt: skip
 def test_other_arguments_of_a_record_that_are_none_are_refused_by_name(sources, given, error, told):
     with pytest.raises(error, match=told):
         connections(sources[0], **given)
+
+
+def test_the_noise_of_a_record_is_that_of_a_number_or_a_generator_and_another_each_time_without(sources):
+    def load(seed):
+        return connections(sources[0], 1, HOW, seed=seed)["hook_load"]
+
+    assert np.array_equal(load(7), load(np.random.default_rng(7)))
+    goes_on = np.random.default_rng(7)
+    assert not np.array_equal(load(goes_on), load(goes_on)) and not np.array_equal(load(None), load(None))
 
 
 def test_a_record_is_written_from_a_mapping_to_a_path_alone(tmp_path):

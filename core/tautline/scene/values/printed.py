@@ -23,6 +23,8 @@ LARGE = ((1e9, "G"), (1e6, "M"), (1e3, "k"))
 
 NOISE = 1.0e-12
 """Share of a number that is rounding of the few operations that made it."""
+MOST_DIGITS = 15
+"""Significant digits that all numbers of the computer bear."""
 MEANT = 10.0
 """Share of a whole up to which it is told in numbers: of what hardly is there it says nothing but that it is large."""
 
@@ -62,17 +64,19 @@ def rounded(value: float, digits: int, *, up: bool = False, within: float = NOIS
         return value
     place = math.floor(math.log10(abs(value))) - digits + 1
     # A power of ten below 1 is no number of the computer, and the quotient by it is beside what was meant.
-    count = value / 10.0**place if place >= 0 else value * 10.0**-place
+    # That of the least numbers is beyond the largest one, so it is taken in two parts.
+    part = min(-place, 300)
+    count = value / 10.0**place if place >= 0 else value * 10.0**part * 10.0 ** (-place - part)
     room = within * abs(count)
     return float(f"{math.ceil(count - room) if up else math.floor(count + room)}e{place}")
 
 
 def digits_apart(one: float, other: float, least: int = 4) -> int:
-    """How many significant digits, of the larger of two different values, show two of their difference."""
+    """How many significant digits, of the larger of two different values, show two of their difference; 15 at most."""
     size, difference = max(abs(one), abs(other)), abs(one - other)
     if not (0.0 < difference < math.inf):
         return least
-    return max(least, math.floor(math.log10(size)) - math.floor(math.log10(difference)) + 2)
+    return max(least, min(MOST_DIGITS, math.floor(math.log10(size)) - math.floor(math.log10(difference)) + 2))
 
 
 def quantity(value: Any, unit: str, digits: int = 4) -> str:

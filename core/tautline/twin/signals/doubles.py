@@ -15,6 +15,8 @@ from tautline.twin.pace import ONE_STAMP
 
 DIFFERENT = 3
 """Rows with a stamp that was there, and with other readings, after which this is told."""
+MILLISECOND, ROUNDING = 1e-3, 2e-6
+"""A stamp further from whole milliseconds than rounding and a shift of it make was written with more digits, s."""
 SOON = 60.0
 """Time within which no clock is set back twice, s: rows of two machines that come in turns step back so."""
 
@@ -33,7 +35,7 @@ class Doubles:
 
     def __init__(self, notes: list[str]) -> None:
         self._notes = notes
-        self._told = self._tells = False
+        self._told = self._tells = self._fine = False
         self._count = self._run = 0
         self._back, self._before, self._when = 0.0, -math.inf, 0.0
         self._set_back = -math.inf
@@ -64,6 +66,7 @@ class Doubles:
     def differ(self, stamp: float) -> None:
         """Take notice that the row that came has other readings than that of the same stamp, s."""
         self._count += 1
+        self._fine |= abs(math.remainder(stamp, MILLISECOND)) > ROUNDING
         if self._count == DIFFERENT and not self._told:
             self._tells, self._when = True, stamp
             if self._run < DIFFERENT:
@@ -88,8 +91,12 @@ class Doubles:
         """Tell that rows of one stamp are no row that came twice; once."""
         if self._tells:
             self._tells, self._told = False, True
+            coarse = (
+                "The stamps may have too few digits for rows that come so fast, or two machines are in the data. Write "
+                "stamps with milliseconds"
+            )
+            twice = "Two machines may be in the data, or a program that writes rows twice. Give the rows of one"
             self._notes.append(
                 f"rows with the same stamp have different readings, such as at {stamp_said(self._when)}: the first one "
-                "of a stamp counts, and the others are left out. The stamps may have too few digits for rows that come "
-                "so fast, or two machines are in the data. Write stamps with milliseconds"
+                f"of a stamp counts, and the others are left out. {twice if self._fine else coarse}"
             )

@@ -350,7 +350,7 @@ class Rows:
         """Let the first row wait as one from far ahead, where the second comes long before it."""
         if self.reached == -np.inf and len(self.waiting) == 1 and self.waiting[0].time - row.time > self._far:
             self._suspect = self.waiting.pop()
-            self.newest = -np.inf
+            self.newest = self._newest_sent = -np.inf
             self._seen[:], self._last_shown[:] = np.nan, True
 
     def _resolve(self, row: Row) -> None:

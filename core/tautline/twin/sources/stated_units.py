@@ -117,7 +117,7 @@ class StatedUnits:
     def _last(self, column: str, where: str) -> float:
         """The factor of the unit that was stated last, 1 without any; told once until one is stated again.
 
-        A logger that states the map's unit at its begin alone has nothing that could be mistaken.
+        A logger that states the map's unit at its beginning alone has nothing that could be mistaken.
         """
         place = column, where
         factor = self._scales.get(place, 1.0)

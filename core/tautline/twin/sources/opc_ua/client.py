@@ -18,7 +18,7 @@ from tautline.scene.errors import option_error
 from tautline.twin.pace import Pace
 from tautline.twin.sources.connection import Connection, cause_of, split_address
 from tautline.twin.sources.objects import ObjectReadings, what_is
-from tautline.twin.sources.opc_ua.bursts import records_of
+from tautline.twin.sources.opc_ua.bursts import Bursts, measured_over
 from tautline.twin.sources.opc_ua.holding import Change, Holding
 from tautline.twin.sources.opc_ua.nodes import (
     DEEPEST,
@@ -40,9 +40,13 @@ MOST = 100_000
 PORT = 4840
 PERIOD = 50.0
 """How often the server is asked to send changes, ms."""
-GATHER, LONGEST_GATHERED = 0.02, 1.0
-"""How long the rest of what is sent together is waited for, and how long that may take in all, s: a stream without
-pauses has no end."""
+GATHER, HURRIED = 0.02, 0.002
+"""Pause that ends what is sent together, and such a pause once a period has gone by, s: a stream whose readings come
+one by one may have none of the first kind, and is not held up longer."""
+CATCHES_UP = 2.0
+"""Readings that come so many times as fast as they were measured were held up: the first kind of pause ends them."""
+LONGEST_GATHERED = 1.0
+"""How far apart readings may arrive that are taken together, s."""
 DELAYS = (0.5, 15.0)
 """Shortest and longest time between attempts to connect again, s."""
 KEEPALIVES = 5
@@ -115,6 +119,7 @@ class OpcUa:
         self._queue: queue.Queue[Heard] = queue.Queue(MOST)
         self._next: Heard | None = None
         self._holding = Holding(columns, 1e-3 * PERIOD, notes=self.notes)
+        self._bursts = Bursts()
         self._made: deque[Record] = deque()
         self._fault: BaseException | None = None
         self._closing = threading.Event()
@@ -256,20 +261,35 @@ class OpcUa:
             return self._made.popleft() if self._made else None
         if isinstance(first, Lost):
             self._holding.forget()
+            self._bursts.forget()
         if first is None or isinstance(first, Lost):
             return None
-        for changes in records_of(self._gather(first)):
+        for changes in self._bursts.records(self._gather(first)):
             self._made.extend(self._holding.records(changes))
         return self._made.popleft() if self._made else None
 
     def _gather(self, first: Change) -> list[Change]:
-        """A change and those that have come with it, up to a pause or a sign of life."""
-        found = [first]
-        more: Heard | None
-        while isinstance(more := self._take(GATHER), Change) and more.arrived - first.arrived <= LONGEST_GATHERED:
-            found.append(more)
-        self._next = more
-        return found
+        """A change and those that have come with it, up to a pause, or a sign of life that none follows at once."""
+        found, begun, held, alive = [first], clock.monotonic(), 0.0, None
+        while True:
+            came_in = found[-1].arrived - first.arrived
+            hurries = came_in >= held and clock.monotonic() - begun >= 1e-3 * PERIOD
+            more = self._take(HURRIED if hurries else GATHER)
+            if isinstance(more, Change) and more.arrived - first.arrived <= LONGEST_GATHERED:
+                found.append(more)
+            elif isinstance(more, float) and self._goes_on(found[-1]):
+                alive = more
+            elif more is None and hurries and came_in < (held := measured_over(found) / CATCHES_UP):
+                continue
+            else:
+                self._next = alive if more is None else more
+                return found
+
+    def _goes_on(self, last: Change) -> bool:
+        """Whether the next in the queue is a change that came without a pause: a sign of life was between both."""
+        with self._queue.mutex:  # another thread fills it
+            following = self._queue.queue[0] if self._queue.queue else None
+        return isinstance(following, Change) and following.arrived - last.arrived <= GATHER
 
     def take_change(self, change: Change) -> None:
         """Put a change into the queue; one that finds no room is counted."""
@@ -301,7 +321,8 @@ class OpcUa:
     @property
     def waiting(self) -> int:
         """Records that have come and were not taken yet: as many as the variable with most changes has."""
-        waits = [*list(self._queue.queue), self._next]
+        with self._queue.mutex:
+            waits = [*self._queue.queue, self._next]
         changes = Counter(one.column for one in waits if isinstance(one, Change))
         return len(self._made) + max(changes.values(), default=0)
 
@@ -437,7 +458,7 @@ class _Handler:
 def _seconds(stamp: Any, otherwise: float) -> float:
     """A stamp of OPC UA in seconds since 1970; UTC, which it has no zone for.
 
-    None is sent as the begin of 1601, and may be read so (part 6, 5.2.2.5).
+    None is sent as the beginning of 1601, and may be read so (part 6, 5.2.2.5).
     """
     if stamp is None or stamp.year <= NO_YEAR:
         return otherwise
