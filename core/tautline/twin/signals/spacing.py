@@ -19,7 +19,7 @@ DELAY = 3.0
 SHOWN_IN = 1.0
 """Longest that the first row waits for others that show the noise of inputs, and how often they come, s."""
 RARER = 2.5
-"""Sample intervals between readings of an input from which on rows wait for it: some readings may be lost of another."""
+"""Sample intervals between readings of an input from which on rows wait for it: others lose some of theirs."""
 STEPS, FEWEST, ALIKE = 5, 3, 1.5
 """Last pauses of which the median is that of an input; and how many tell it, no more than so many times off it."""
 MOST_WAITED = 3.0
