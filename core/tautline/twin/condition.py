@@ -52,7 +52,8 @@ def _faults(readings: Readings) -> list[str]:
             found.append(one.jump)
     for track in readings.tracks:
         if track.missing:
-            found.append(f"{track.channel.column} shows nothing now, so {track.channel.name} is made up")
+            what = readings.rare.get(track.number, f"{track.channel.column} shows nothing now")
+            found.append(f"{what}, so {track.channel.name} is made up")
         elif track.joining:
             found.append(f"{track.channel.name} was made up, and is on its way back to {track.channel.column}")
     found += [f"{name} is far from where the scene begins" for name in readings.far]

@@ -207,7 +207,7 @@ class Watch:
         text = "the last readings contradict those before: friction, weight or path is another now, and estimated anew"
         self.alarms.judge(CHANGED, row.changed < SHOWN, row.time, text)
         self.alarms.judge(STOPPED, bool(row.lost), row.time, row.lost)
-        text = "an input was missing or not believed: only what is measured is judged until what is computed agrees"
+        text = "an input was made up for a while: only what is measured is judged until what is computed agrees"
         self.alarms.judge(CATCHING_UP, row.time < row.judged_from, row.time, text)
         self._before = row.time
 

@@ -14,11 +14,12 @@ from __future__ import annotations
 import asyncio
 import hashlib
 import json
+import logging
 import secrets
 import threading
 from collections import deque
-from collections.abc import AsyncIterator, Callable, Collection, Iterable, Mapping
-from contextlib import suppress
+from collections.abc import AsyncIterator, Callable, Collection, Iterable, Iterator, Mapping
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -46,6 +47,8 @@ FAREWELL = 0.3
 """Time that browsers have to go after they were told that it has ended, s."""
 OF_TEXTS = ("m", "N", "rad/s")
 """Units of numbers that the page says in a sentence."""
+TALKER = "uvicorn.error"
+"""Logger of the server's warnings."""
 STARTS_WITHIN = 10.0
 """How long the server may take to start, s."""
 
@@ -107,7 +110,7 @@ class Page:
         self._watching: set[Waiting] = set()
         self._newest: tuple[Any, np.ndarray] | None = None
         self._loop: asyncio.AbstractEventLoop | None = None
-        # Neither logging nor signals of the process are touched.
+        # Neither logging nor signals of the process are touched, but for `_without_warnings`.
         config = uvicorn.Config(self._app(), log_config=None, access_log=False, lifespan="off", loop="asyncio",
                                 timeout_graceful_shutdown=1)  # fmt: skip
         self._server = uvicorn.Server(config)
@@ -172,7 +175,8 @@ class Page:
             await self._server.serve(sockets=[self._socket])
             drawing.cancel()
 
-        asyncio.run(serve())
+        with _without_warnings():
+            asyncio.run(serve())
 
     def _take(self, text: str) -> None:
         """Keep a line, and give it to all who look."""
@@ -258,6 +262,25 @@ class Page:
         routes = [*(Route(path, file) for path in FILES), Route("/events", events)]
         known = Middleware(KnownHosts, host=self.host, names=self._names)
         return Starlette(routes=routes, middleware=[known])
+
+
+@contextmanager
+def _without_warnings() -> Iterator[None]:
+    """Keep warnings of the server in this thread off standard error, such as that a request is no HTTP.
+
+    Whoever reaches the port could write there otherwise, among the alarms. Other servers in the process are not
+    touched, and where the process has a handler for the logger it still gets everything.
+    """
+    logger, thread = logging.getLogger(TALKER), threading.get_ident()
+
+    def passes(record: logging.LogRecord) -> bool:
+        return record.thread != thread or record.levelno > logging.WARNING or logger.hasHandlers()
+
+    logger.addFilter(passes)
+    try:
+        yield
+    finally:
+        logger.removeFilter(passes)
 
 
 def _hash(contents: Iterable[bytes]) -> str:

@@ -16,13 +16,16 @@ from tautline.twin.pace import ONE_STAMP
 from tautline.twin.signals.inputs import SLOW, InputTrack
 from tautline.twin.signals.knocks import knocked
 from tautline.twin.signals.row import Row
-from tautline.twin.signals.rows import DELAY, Rows
+from tautline.twin.signals.rows import LONGEST_DELAY, Rows
 from tautline.twin.signals.sensors import Health
 from tautline.twin.signals.smoothing import smooth, smooth_widely
+from tautline.twin.signals.spacing import DELAY
 from tautline.twin.signals.waves import Waves
 
 SMOOTHED = 2.0
 """Periods of the bounce, before a row and after it, that noisy inputs are smoothed over."""
+OFTEN = 1.5
+"""Sample intervals between readings of an input that comes as often as rows, at most."""
 STILL = ("stuck", "clipped")
 """Faults of a sensor that shows one value for a while."""
 JUMPED = "with a reading that jumped away and back"
@@ -51,6 +54,8 @@ class Readings:
         Numbers of the channels that were seen to be told in steps.
     step_found : bool
         Whether at the last row an input was first seen to be told in steps.
+    rare : dict
+        Number of an input that rows do not wait for -> how often it comes, in words.
     """
 
     def __init__(self, plan: Plan, start: Mapping[str, float], live: bool) -> None:
@@ -60,6 +65,9 @@ class Readings:
         self.rows.bounds = [one.shown for one in plan.channels]
         self.health = [Health(one) for one in plan.channels]
         self.tracks = [InputTrack(one, i) for i, one in enumerate(plan.channels) if one.is_input]
+        self.rows.spacing.inputs = [one.number for one in self.tracks]
+        self.rare: dict[int, str] = {}
+        self._rare_told: set[int] = set()
         self.waves = {one.name: Waves() for one in plan.inputs if one.waves}
         self.zeros: dict[int, float] = {}
         self.far: dict[str, float] = {}
@@ -193,13 +201,15 @@ class Readings:
             Period in which a load bounces on its rope, s; 0 as long as none is known.
         """
         around = self.rows.around(row)
-        widest = self.rows.patience
+        # A sensor is not smoothed over more as another one comes more rarely.
+        widest = self.rows.smoothed if self.rows.delay is None else self.rows.delay
         # Where no sample is waited for, those of the past alone tell of a rate.
         few = self.rows.delay is None or widest < self.rows.interval
         reach = DELAY * self.rows.interval if few else widest
         if not np.isfinite(reach):
             reach = self.rows.interval if np.isfinite(self.rows.interval) else 1.0
         found = []
+        self._look_for_rare()
         self.step_found = False
         for track in self.tracks:
             track.bounce = bounce
@@ -210,16 +220,48 @@ class Readings:
                 values = self._without_knocks(np.array([one.time for one in around]), values, row, track.number)
                 values = self._without_stops(np.array([one.time for one in around]), values, self.health[track.number])
                 self._look_for_steps(track, np.array([one.time for one in around]), values)
+            own = max(reach, self._waited(track.number))
             if begun:
-                state = track.follow(around, values, row, reach, widest)
+                state = track.follow(around, values, row, own, max(own, widest))
             else:
-                state = self._first_state(track, around, values, row, reach)
+                state = self._first_state(track, around, values, row, own)
             found.append((track.channel.name, state))
             if track.channel.name in self.waves:
                 # What is held too: a run ahead begins where the simulation stands, or its first step is a jump.
                 self.waves[track.channel.name].add(row.time, state, track.missing)
         self.rows.wanted = SMOOTHED * bounce if self.shaken else 0.0
         return found
+
+    def _waited(self, i: int) -> float:
+        """How long rows wait for an input as it comes more rarely than they do, s; 0 where they do not."""
+        wait = self.rows.spacing.wait(i, self.rows.interval)
+        return wait if self.rows.delay is None and wait <= self.rows.patience else 0.0
+
+    def _look_for_rare(self) -> None:
+        """See which inputs come so rarely that rows do not wait for their next readings; say once what rows do."""
+        rows = self.rows
+        self.rare.clear()
+        for i in rows.spacing.inputs:
+            every, column = rows.spacing.of(i), self.channels[i].column
+            # Each row has a reading where inputs come as often as rows.
+            often = every <= OFTEN * rows.interval
+            if often or not (np.isfinite(rows.interval) and np.isfinite(rows.patience)):
+                continue
+            too_soon = rows.patience < every - ONE_STAMP
+            if too_soon:
+                self.rare[i] = f"{column} comes every {every:.2g} s, and rows wait {rows.patience:.2g} s only"
+            if i in self._rare_told or not (too_soon or self._waited(i)):
+                continue
+            self._rare_told.add(i)
+            longer = np.ceil(10.0 * DELAY * every - ONE_STAMP) / 10.0
+            cure = (
+                f"Write `delay: {longer:.1f} s` in the map" if longer <= LONGEST_DELAY else "Let it be sent more often"
+            )
+            if too_soon:
+                text = f"rows are answered after {rows.patience:.2g} s, before its next reading is there. {cure}"
+            else:
+                text = f"so rows are answered after {rows.patience:.2g} s. Write `delay` in the map for another time"
+            self._remarks.append(f"{column} comes every {every:.2g} s: {text}")
 
     def _look_for_steps(self, track: InputTrack, times: np.ndarray, values: np.ndarray) -> None:
         """See whether a place is told in steps, and say so once."""

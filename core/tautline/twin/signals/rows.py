@@ -35,6 +35,7 @@ from tautline.twin.pace import AT_ONCE, LONG_GAP, ONE_STAMP, TOLD_BY
 from tautline.twin.signals.arrivals import TYPICAL, Arrivals
 from tautline.twin.signals.doubles import Doubles
 from tautline.twin.signals.row import Row
+from tautline.twin.signals.spacing import DELAY, SHOWN_IN, Spacing
 
 REGULAR_GAPS, EQUAL = 5, 1.5
 """Gaps in a row that are the sample interval, as the longest of them is no more than so many times the shortest."""
@@ -46,10 +47,6 @@ BACK = 5
 """Rows in a row that are late and follow one another: the clock was set back."""
 INTERVALS = 51
 """Intervals of which the median is the sample interval."""
-DELAY = 3.0
-"""Sample intervals that a row waits where no delay is given."""
-SHOWN_IN = 1.0
-"""Longest that the first row waits for others that show the noise of inputs, s."""
 BEHIND = 10
 """Late rows of a column after which this is told; another column has as many that are in time, without a late one."""
 OFTEN = 0.4
@@ -86,7 +83,7 @@ class Rows:
     columns : sequence of str
         In the order of the values.
     delay : float or None
-        s; None for three sample intervals.
+        s; None for three sample intervals, of the rarest input where that comes more rarely.
     live : bool
         Whether rows arrive while they are measured, so that the source's clock can be compared with ours.
 
@@ -157,7 +154,7 @@ class Rows:
         # Those of rows with repeated readings only: they serve until others are known.
         self._repeats: deque[float] = deque(maxlen=INTERVALS)
         self._gaps: deque[float] = deque(maxlen=REGULAR_GAPS)
-        self.arrivals = Arrivals()
+        self.arrivals, self.spacing = Arrivals(), Spacing(len(self.columns))
         self.known_interval = np.nan
         self.wanted, self.fewest = 0.0, 1
         self._kept: list[tuple[Row, np.ndarray]] = []
@@ -170,8 +167,11 @@ class Rows:
     @property
     def patience(self) -> float:
         """How long a row waits for others, s."""
-        if self.delay is not None:
-            return self.delay
+        return max(self.smoothed, self.spacing.waited(self.interval)) if self.delay is None else self.delay
+
+    @property
+    def smoothed(self) -> float:
+        """How long it waits for what is as frequent as rows, so that it can be smoothed, where no delay is given, s."""
         return max(DELAY * self.interval, self.wanted) if np.isfinite(self.interval) else np.inf
 
     @property
@@ -490,6 +490,7 @@ class Rows:
 
     def _insert(self, row: Row) -> None:
         self._correct(row)
+        self.spacing.take(row.time, row.values)
         self._newest_sent = max(self._newest_sent, row.time) if row.measured.any() else self._newest_sent
         # What is behind others came later than they did, and what is repeated was never sent.
         if self.live and row.measured.any() and row.time > self.newest:
@@ -658,7 +659,7 @@ class Rows:
     def _shows_too_little(self) -> bool:
         """Whether more rows are waited for before the first is handed on, where the map leaves that open."""
         span = self.newest - self.waiting[0].time
-        return self.delay is None and len(self.waiting) < self.fewest and span < SHOWN_IN
+        return self.delay is None and span < SHOWN_IN and (len(self.waiting) < self.fewest or not self.spacing.known)
 
     def around(self, row: Row) -> list[Row]:
         """Rows on both sides of one that was handed on last, in order, without a gap between them."""

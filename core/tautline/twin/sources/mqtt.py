@@ -27,6 +27,10 @@ QUALITY = 1
 DELAYS = (1, 30)
 """Shortest and longest time between attempts to connect again, s."""
 KEEPALIVE = 15
+ASKED_AGAIN = 30.0
+"""Time after which a topic is asked for again that the broker has refused, s."""
+LONGEST_TOPIC = 65535
+"""Bytes of a topic, at most."""
 LISTED = 6
 """Keys that a message names."""
 UNSPECIFIED = "Unspecified error"
@@ -54,18 +58,24 @@ class Mqtt:
     Raises
     ------
     SceneError
-        For an address without host or topic or with a bad port, and where paho-mqtt is not installed.
+        For an address without host or topic or with a bad port, for a topic that no broker takes, and where paho-mqtt
+        is not installed.
     """
 
     def __init__(
         self, address: str, columns: Sequence[str], time: str = "", units: Mapping[str, str] | None = None,
         stated: Stated | None = None,
     ) -> None:  # fmt: skip
-        parts = split_address(address.replace("#", "%23"), address, "mqtt://localhost:1883/crane/#")
-        topic = unquote(parts.path.lstrip("/"))
+        whole = address.replace("#", "%23")
+        parts = split_address(whole, address, "mqtt://localhost:1883/crane/#")
+        # A topic may begin with a slash, and have a question mark: only the slash behind the host is none of it.
+        behind = whole.partition("://")[2][len(parts.netloc) :]
+        topic = unquote(behind[1:]) if behind.startswith("/") else ""
         if not parts.hostname or not topic:
             cure = "write mqtt://host:1883/topic, such as mqtt://localhost/crane/#"
             raise option_error("--source", address, "has no host or no topic", cure)
+        if fault := fault_of_topic(topic):
+            raise option_error("--source", address, *fault)
         try:
             from paho.mqtt import client as paho
         except ImportError:
@@ -82,6 +92,7 @@ class Mqtt:
         self._remarks = Remarks(self.notes)
         self._readings = ObjectReadings(columns, units or {}, self.notes, self.factors, stated)
         self._fault: BaseException | None = None
+        self._ask_at = math.inf
         self._queue: queue.Queue[Record] = queue.Queue(MOST)
         self._client = paho.Client(paho.CallbackAPIVersion.VERSION2)
         if parts.username:
@@ -89,6 +100,7 @@ class Mqtt:
         if parts.scheme == "mqtts":
             self._client.tls_set()
         self._client.on_connect = self._subscribe
+        self._client.on_subscribe = self._subscribed
         self._client.on_connect_fail = self._not_reached
         self._client.on_disconnect = self._lost
         self._client.on_message = self._take
@@ -101,14 +113,34 @@ class Mqtt:
         if reason.is_failure:
             self._connection.failed(f"the broker refuses: {str(reason).lower()}", answered=True)
             return
-        self._connection.made()
-        client.subscribe(self._topic, QUALITY)
+        self._ask()
+
+    def _ask(self) -> None:
+        self._ask_at = math.inf
+        try:
+            self._client.subscribe(self._topic, QUALITY)
+        except Exception as fault:  # told by `poll`, as the thread of paho may be the one that would die of it
+            self._fault = fault
+
+    def _subscribed(self, client: Any, data: Any, number: Any, reasons: Sequence[Any], *_: Any) -> None:
+        """The broker's answer: only with it is known whether messages may come."""
+        refused = [one for one in reasons if one.is_failure]
+        if not refused:
+            self._connection.made()
+            return
+        self._ask_at = clock.monotonic() + ASKED_AGAIN
+        because = "" if str(refused[0]) == UNSPECIFIED else f" ({str(refused[0]).lower()})"
+        cause = (
+            f"the broker refuses topic {self._topic}{because}. Its access rules may not let this user read that topic"
+        )
+        self._connection.failed(cause, answered=True)
 
     def _not_reached(self, *_: Any) -> None:
         # paho calls this while it handles the error, and does not hand it on.
         self._connection.failed(cause_of(sys.exc_info()[1]))
 
     def _lost(self, client: Any, data: Any, flags: Any, reason: Any, *_: Any) -> None:
+        self._ask_at = math.inf  # it is asked for at the next connection
         if not self.ended:
             self._connection.lost("" if str(reason) == UNSPECIFIED else str(reason).lower())
 
@@ -213,12 +245,14 @@ class Mqtt:
         Raises
         ------
         SourceFault
-            Where reading a message has failed by a fault of the program.
+            Where reading a message, or asking for the topic, has failed by a fault of the program.
         """
         if self._fault is not None:
             self.ended = True
             raise SourceFault(self.name, self._fault)
         self._connection.watch()
+        if clock.monotonic() >= self._ask_at:
+            self._ask()
         try:
             return self._queue.get(timeout=timeout) if timeout > 0.0 else self._queue.get_nowait()
         except queue.Empty:
@@ -239,6 +273,29 @@ class Mqtt:
         self.ended = True
         self._client.disconnect()
         self._client.loop_stop()
+
+
+def fault_of_topic(topic: str) -> tuple[str, str] | None:
+    """Why no broker takes a topic to subscribe to (MQTT 3.1.1, 4.7), and what helps; None for a good one."""
+    whole = "# stands for all levels below: write it last and alone between slashes, as in crane/#"
+    one = "+ stands for one level: write it alone between slashes, as in site/+/rope"
+    levels = topic.split("/")
+    for level in levels:
+        if "#" in level and len(level) > 1:
+            return f"has # beside other characters, in '{level}'", whole
+        if "+" in level and len(level) > 1:
+            return f"has + beside other characters, in '{level}'", one
+    if "#" in levels[:-1]:
+        return "has # before the end of the topic", whole
+    if "\0" in topic:
+        return "has a character NUL in its topic", "leave %00 out"
+    try:
+        size = len(topic.encode())
+    except UnicodeEncodeError:
+        return "has a topic that is no text in UTF-8", "write such a character with %, as in caf%C3%A9"
+    if size > LONGEST_TOPIC:
+        return f"has a topic of {size} bytes: a topic has {LONGEST_TOPIC} at most", "write a shorter one, with # or +"
+    return None
 
 
 def _are_none(values: Mapping[str, float]) -> bool:

@@ -1,0 +1,107 @@
+"""Inputs that come more rarely than what is measured beside them: rows wait for their next readings."""
+
+import math
+
+import numpy as np
+import pytest
+from twin.rehearsal import HOIST
+from twin.test_inputs_that_come_back import MAP, finer_rows
+
+from tautline.twin.signals.rows import Rows
+from tautline.twin.signals.spacing import SHOWN_IN, Spacing
+from tautline.twin.twin import Twin
+
+INTERVAL = 0.05
+NOTHING = "winch_pos shows nothing now"
+
+
+def rows_with_winch(every, until=12.0):
+    """Rows of the finer model of which only each so many has a reading of the winch."""
+    for k, (stamp, readings) in enumerate(finer_rows()):
+        if stamp <= until:
+            yield stamp, readings if k % every == 0 else readings | {"winch_pos": math.nan}
+
+
+def lines_of(twin, rows):
+    return [line for stamp, readings in rows for line in twin.add(stamp, readings)] + twin.finish()
+
+
+def told(twin):
+    return [text for text in twin.notes if "winch_pos comes every" in text]
+
+
+@pytest.mark.parametrize("every", [4, 6])
+def test_a_winch_that_comes_more_rarely_than_the_rope_tension_is_followed_and_the_load_is_found(every):
+    twin = Twin(HOIST, MAP)
+    lines = lines_of(twin, rows_with_winch(every))
+    true = {stamp: readings["winch_pos"] for stamp, readings in finer_rows()}
+    off = [abs(line["inputs"]["winch.pay_out"] - true[line["time"]]) for line in lines if 2.0 < line["time"] < 11.0]
+    # With rows that waited for 0.15 s the winch came to rest between its readings, for ever.
+    assert np.max(off) < 0.02
+    assert lines[-1]["estimates"]["payload.mass"]["value"] == pytest.approx(5300.0, rel=0.01)
+    assert not any(NOTHING in cause for line in lines for cause in line["causes"])
+    assert "catching up" not in {one["name"] for line in lines for one in line["alarms"]}
+    (text,) = told(twin)
+    assert f"every {every * INTERVAL:.2g} s" in text and f"after {3 * every * INTERVAL:.2g} s" in text
+
+
+def test_an_input_that_comes_with_every_second_row_is_waited_for_no_longer_than_one_that_comes_with_each():
+    rows = Rows(["in", "out"])
+    rows.spacing.inputs = [0]
+    for k in range(20):
+        rows.add(INTERVAL * k, {"in": 1.0 if k % 2 == 0 else math.nan, "out": 0.01 * k})
+    assert rows.patience == pytest.approx(3 * INTERVAL)
+
+
+def test_an_input_that_stops_stalls_no_row():
+    twin = Twin(HOIST, MAP)
+    rows = [(t, row if t < 4.0 else row | {"winch_pos": math.nan}) for t, row in rows_with_winch(4)]
+    behind = [stamp - line["time"] for stamp, readings in rows for line in twin.add(stamp, readings) if stamp > 1.5]
+    # Three of its pauses are 0.6 s, and noise is smoothed over less than a second.
+    assert max(behind) < 1.0
+    assert twin.now > rows[-1][0] - 1.0
+
+
+def test_an_input_that_never_comes_delays_the_first_row_by_no_more_than_a_second():
+    rows = Rows(["in", "out"])
+    rows.spacing.inputs = [0]
+    for k in range(100):
+        rows.add(INTERVAL * k, {"out": 0.01 * k})
+        if rows.ready() is not None:
+            break
+    assert INTERVAL * k == pytest.approx(SHOWN_IN, abs=INTERVAL + 1e-9)
+
+
+def test_a_delay_that_is_shorter_than_the_pause_of_an_input_is_told_once_with_one_that_works():
+    twin = Twin(HOIST, MAP + "delay: 0.1 s\n")
+    lines = lines_of(twin, rows_with_winch(4, 6.0))
+    (text,) = told(twin)
+    assert "rows are answered after 0.1 s, before its next reading is there" in text
+    assert "`delay: 0.6 s`" in text
+    made_up = [cause for line in lines for cause in line["causes"] if "is made up" in cause]
+    assert any("winch_pos comes every 0.2 s, and rows wait 0.1 s only" in cause for cause in made_up)
+    again = Twin(HOIST, MAP + "delay: 0.6 s\n")
+    lines = lines_of(again, rows_with_winch(4, 6.0))
+    assert not any("is made up" in cause for line in lines if 1.5 < line["time"] < 5.0 for cause in line["causes"])
+    assert not told(again)
+
+
+def test_without_a_delay_an_input_is_not_waited_for_longer_than_three_seconds_and_the_map_can_say_so():
+    spacing = Spacing(1)
+    spacing.inputs = [0]
+    for k in range(6):
+        spacing.take(2.0 * k, np.zeros(1))
+    assert spacing.of(0) == pytest.approx(2.0) and spacing.waited(0.05) == 0.0
+
+
+def test_an_input_that_comes_now_and_then_has_no_pause_and_a_first_stamp_from_the_future_is_forgotten():
+    spacing = Spacing(1)
+    spacing.inputs = [0]
+    for time in (0.0, 0.1, 7.0, 7.3, 20.0, 21.0):
+        spacing.take(time, np.zeros(1))
+    assert spacing.of(0) == 0.0 and spacing.known
+    other = Spacing(1)
+    other.inputs = [0]
+    for time in (1e6, 0.0, 0.2, 0.4, 0.6):
+        other.take(time, np.zeros(1))
+    assert other.of(0) == pytest.approx(0.2)
