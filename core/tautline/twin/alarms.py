@@ -120,7 +120,8 @@ def beyond(value: float, above: float, below: float) -> bool:
 class Teller(Protocol):
     """How a value is said, with so many significant digits."""
 
-    def __call__(self, value: float, digits: int = 4, /) -> str: ...
+    def __call__(self, value: float, digits: int = 4, /) -> str:
+        """The value in words."""
 
 
 def bound_said(value: float, above: float, below: float, tell: Teller) -> str:
