@@ -44,11 +44,13 @@ NAMES = {
 LITTLE = 1e-6
 """Friction force N, or torque N m, over the weight of the string, N, that counts as none."""
 TOO_FEW = (
-    f"bit.weight and bit.torque: at least {LEAST} rows on bottom without a gap are needed, and there are fewer so far"
+    f"bit.weight, bit.torque and bit.depth: at least {LEAST} rows on bottom without a gap are needed, and there are "
+    "fewer so far"
 )
 LOCKED_ROTARY = "bit.torque: the string does not turn, and the wall may hold any torque of the bit"
 NO_WEIGHT = "bit.torque: the weight on the bit is not known, and the friction torque depends on it"
 NO_HOOK_LOAD = "bit.weight: the hook load is not measured now, or its readings are not believed"
+NO_DEPTH = "bit.depth: the weight on the bit is not known, and the string is shorter by it"
 LOCKED_UP = (
     "bit.weight: the string nearly locks up with so much weight, and hardly any more of it would be seen at the hook"
 )
@@ -183,6 +185,8 @@ class AtBit:
                 self.lost.append(NO_WEIGHT)
             else:
                 told["bit.torque"] = excess.value, hypot(sqrt(excess.variance), torque.computed)
+        if "bit.weight" not in told:
+            self.lost.append(NO_DEPTH)
         return told
 
     def _friction(self, friction: Mapping[str, tuple[float, float]]) -> tuple[Factors, dict[str, float]]:

@@ -321,7 +321,8 @@ class RigOperation(Operation):
     ) -> dict[str, tuple[float, float]]:  # fmt: skip
         """Where the bit is; and on bottom its weight and torque, from what hook and drive show beside a string without.
 
-        The weight also changes the friction of the string, and makes it shorter than it is computed.
+        The weight also changes the friction of the string, and makes it shorter than it is computed: where the weight
+        is not known, nor is the depth.
         """
         depth, sd = (float(x) for x in outputs["bit.depth"])
         before, self._told_in = self._told_in, self.rig.state
@@ -342,9 +343,11 @@ class RigOperation(Operation):
         self._at_bit.add(AtSurface(time, *self._moved, load[0], torque[0], -load[1], torque[1]))
         told = self._at_bit.told(known.get("hook_load"), known.get("torque"), estimates)
         self._weight_on_bit = told.get("bit.weight", (nan, nan))[0]
-        if isfinite(self._at_bit.shorter[0]):
-            depth, sd = depth - self._at_bit.shorter[0], hypot(sd, self._at_bit.shorter[1])
-        return told | {"bit.depth": (depth, sd)} | self._swinging()
+        shorter, of_shorter = self._at_bit.shorter
+        if isfinite(shorter):
+            # Without it the bit would be told a decimetre too deep, and as if that were exact.
+            told["bit.depth"] = depth - shorter, hypot(sd, of_shorter)
+        return told | self._swinging()
 
     def simulated(self, sim: Any) -> dict[str, float]:
         """What a rig would measure of a simulation; of its pumps that knows nothing."""

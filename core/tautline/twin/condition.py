@@ -20,6 +20,11 @@ FAR = "the estimate is far from the values that are simulated"
 SHOWS_LITTLE = "inputs shake the simulated load, and the data have not shown every estimate yet"
 STARVES = "most readings cannot be used, as what is simulated moves out of step with the machine"
 """Why what is computed is in doubt; those of one sensor stand after its name."""
+GUESSED = (
+    "the estimates are not known well yet: a computed value that exceeds its bound is told only where it exceeds that "
+    "by more than two of its standard deviations"
+)
+"""Said with what the sensors have not shown, as long as bounds are judged so."""
 
 
 def condition_of(twin: Any) -> tuple[str, list[str]]:
@@ -28,6 +33,13 @@ def condition_of(twin: Any) -> tuple[str, list[str]]:
     causes = [*lost, *_faults(twin.readings), *_not_followed(twin)]
     causes += (twin.doubts or [SIMPLY]) if twin.unsure else []
     return LOST if lost else DEGRADED if causes else GOOD, list(dict.fromkeys(causes))
+
+
+def not_shown(twin: Any) -> list[str]:
+    """Sentences on what the sensors have not shown so far, and on what is not judged before they have."""
+    horizon = twin.estimate.horizon
+    waits = twin.plan.unknowns and twin.plan.alarms and not horizon.found
+    return [*horizon.not_observable(), *([GUESSED] if waits else [])]
 
 
 def _lost(readings: Readings) -> list[str]:

@@ -83,7 +83,7 @@ def packed(twin: Twin) -> Packed:
         "operation": twin.operation.memory() if twin.operation else {}, "paused": twin.paused,
         "settling": twin.settling.memory(), "far": readings.far, "heard": twin.heard,
         "stepped": sorted(readings.stepped), "watch": twin.watch.watched(), "mark": twin.mark,
-        "stated": [[*place, names] for place, names in twin.stated.items()],
+        "found": [h.found, h.begun], "stated": [[*place, names] for place, names in twin.stated.items()],
     }  # fmt: skip
     samples = list(h.samples)
     arrays = {
@@ -229,6 +229,8 @@ def _recall(twin: Twin, words: dict[str, Any], arrays: dict[str, np.ndarray]) ->
     h.variance, h.alike, h.learned = arrays["variance"], arrays["alike"], arrays["learned"]
     h.missed, h.told, h.missed_at = arrays["missed"], arrays["told"], float(arrays["missed_at"])
     h.prior_time, h.released, h.since, h.changed = (float(x) for x in arrays["numbers"])
+    if "found" in words:  # states of earlier versions have it in the deviations alone
+        h.found, h.begun = bool(words["found"][0]), float(words["found"][1])
     h.samples = deque(
         Sample(float(arrays["sample_time"][i]), *(arrays[f"sample_{x}"][i] for x in ("y", "y0", "J", "use", "rows")))
         for i in range(len(arrays["sample_time"]))

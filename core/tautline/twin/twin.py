@@ -18,7 +18,7 @@ from tautline.integrators.status import StoppedEarly
 from tautline.live.simulation import Simulation
 from tautline.scene.errors import option_error
 from tautline.scene.values.moments import stamp_said
-from tautline.twin.condition import FAR, MISSES, NOT_KNOWN_YET, SHAKEN, SHOWS_LITTLE, STARVES, condition_of
+from tautline.twin.condition import FAR, MISSES, NOT_KNOWN_YET, SHAKEN, SHOWS_LITTLE, STARVES, condition_of, not_shown
 from tautline.twin.estimation.estimate import Estimate, Machine
 from tautline.twin.estimation.family import Blow
 from tautline.twin.estimation.horizon import MISSED, SEEN_OFF, Sample
@@ -525,7 +525,7 @@ class Twin:
             row.time, values, outputs, residual, residual_sd, use, horizon.correlation, estimate.converged,
             ahead, row.time - horizon.changed, self.settling.since, self.settling.moved_at,
             self.readings.blind, self.outlook.is_overdue(row.time), moved, self.unsure,
-            self.operation is not None and self.operation.put_down(read),
+            self.operation is not None and self.operation.put_down(read), far=horizon.is_far,
         ))  # fmt: skip
         self._further = self._found_by_operation(row.time, y, outputs)
         return self._line(row, inputs, y, outputs, residual)
@@ -666,7 +666,7 @@ class Twin:
             "residuals": {name: number(r) for name, r in zip(names, residual, strict=True)},
             "alarms": self.watch.alarms.told(),
             "restrict": self.outlook.restricted,
-            "not_observable": h.not_observable(),
+            "not_observable": not_shown(self),
             "lag": lag,
             "health": health,
             "causes": causes,

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from tautline.scene.values.printed import in_words, quantity, shown
-from tautline.twin.alarms import CLEAR, NOT_KNOWN, Alarms, beyond, bound_said
+from tautline.twin.alarms import CLEAR, NOT_KNOWN, Alarms, Teller, beyond, bound_said
 from tautline.twin.forecast import Found, extreme
 from tautline.twin.map.plan import Alarm, Plan
 from tautline.twin.operation import Operation
@@ -86,7 +86,8 @@ class Compared:
     correlation : (m,)
         How many rows of a sensor count as one.
     converged : bool
-        Whether the estimate is known.
+        Whether the estimate is known: it is a guess no more. Before that only what its deviation does not reach is
+        told.
     ahead : Found or None
         What will come, if that was found lately.
     moved : mapping
@@ -107,6 +108,8 @@ class Compared:
         Whether every load stands on the ground, on a slack rope, in all simulations.
     lost : str
         Why no simulation goes on, in words; empty where one does.
+    far : bool
+        Whether the estimate has left what was simulated: nothing that is computed is judged until that has followed.
     """
 
     time: float
@@ -127,12 +130,18 @@ class Compared:
     unsure: bool = False
     put_down: bool = False
     lost: str = ""
+    far: bool = False
 
     @property
     def foreseen(self) -> Found | None:
         """What will come, of a run ahead that began where the machine is."""
-        ahead = self.ahead if self.converged else None
+        ahead = self.ahead
         return ahead if ahead is not None and ahead.begun >= self.judged_from else None
+
+    def tells(self, value: float, sd: float, bound: Alarm) -> bool:
+        """Whether it tells something that what is computed is beyond a bound: that of a guess does where it is sure."""
+        guess_is_sure = np.isfinite(sd) and not self.unsure and surely_beyond(value, sd, bound)
+        return not self.far and (self.converged or bool(guess_is_sure))
 
 
 def surely_beyond(value: float, sd: float, bound: Alarm) -> bool:
@@ -302,9 +311,10 @@ class Watch:
         if not sensor.believed and one.name in self._irregular:
             self._judge_irregular_unseen(one, row.time, sensor)
             return
-        size = abs(r) / sd if one.times_sd else r
-        known = np.isfinite(r) and bool(row.use[m]) and row.converged
-        holds = bool(known and (size > one.above or (not one.times_sd and beyond(r, one.above, one.below))))
+        # As a multiple of its deviation it has one of 1.
+        size, off = (abs(r) / sd, 1.0) if one.times_sd else (r, sd)
+        known = bool(np.isfinite(r) and row.use[m] and row.tells(size, off, one))
+        holds = known and beyond(size, one.above, one.below)
         tell = self._teller(one)
         text = f"{one.asked} is measured {tell(measured)}, expected {tell(measured - r)}" if known else ""
         text += f" (standard deviation {tell(sd)}): friction, contact or rope path are not as in the scene"
@@ -322,19 +332,19 @@ class Watch:
         self.alarms.judge(one.name, True, time, told, one.lasting, known, sensor.seen, sensor.forgotten_after)
 
     def _judge_output(self, one: Alarm, row: Compared, sensor: Health | None, measured: float) -> None:
-        # Before the estimate is known, what is computed is that of a guess.
         computed = row.outputs.get(one.target)
-        known = computed is not None and row.converged and row.time >= row.judged_from
+        known = computed is not None and not row.far and row.time >= row.judged_from
         value = extreme(computed[0], one) if known and computed is not None else np.nan
         sd = largest_known(computed[1]) if computed is not None else np.nan
         # A peak that lasts one reading says nothing of the machine, but may be true: bounds see what is left out.
         if sensor is not None and not np.isfinite(measured):
             measured = sensor.side(row.time)
         seen, computed_too = (bool(np.isfinite(v) and beyond(v, one.above, one.below)) for v in (measured, value))
+        computed_too &= row.tells(value, sd, one)
         if sensor is not None:
-            within = known and not row.unsure and surely_within(value, sd, one)
+            within = known and row.converged and not row.unsure and surely_within(value, sd, one)
             self._follow_seen(one, sensor, measured if seen else np.nan, computed_too, within)
-        ahead = self._coming(one, row) if known and not (seen or computed_too) else None
+        ahead = self._coming(one, row, sd) if known and not (seen or computed_too) else None
         if seen and sensor is not None:
             said = self._said_measured(one, sensor, computed_too and surely_beyond(value, sd, one))
         elif computed_too:
@@ -441,7 +451,7 @@ class Watch:
     def _doubt(self, one: Alarm, doubt: str, value: float) -> str:
         return f". That is not certain. {doubt} is {self._teller(one)(value) if np.isfinite(value) else 'not known'}"
 
-    def _coming(self, one: Alarm, row: Compared) -> tuple[float, float, float, float] | None:
+    def _coming(self, one: Alarm, row: Compared, sd: float) -> tuple[float, float, float, float] | None:
         """How long ahead a bound is passed, s, the value there, the worst one, and how far the estimate has moved away.
 
         That is by how much outputs are farther from beyond the bound now, at the place where it is most; NaN where that
@@ -459,7 +469,10 @@ class Watch:
         if not ahead.known and not np.isnan(toward).any():
             if not beyond(worst + side * float(toward.max()), one.above, one.below):
                 return None
-        return max(0.0, at - row.time), value, worst, float(np.maximum(-toward.min(), 0.0))
+        away = float(np.maximum(-toward.min(), 0.0))
+        if not row.tells(worst, float(np.hypot(sd, away)), one):
+            return None
+        return max(0.0, at - row.time), value, worst, away
 
     def judge_sensors(self, time: float, correlation: np.ndarray, converged: bool) -> None:
         """Judge what is wrong with sensors."""
@@ -506,10 +519,10 @@ class Watch:
         for name, holds, text, lasting in self.operation.alarms() if self.operation else ():
             self.alarms.judge(name, holds, time, in_words(text, self.system), lasting)
 
-    def _teller(self, one: Alarm) -> Callable[[float], str]:
+    def _teller(self, one: Alarm) -> Teller:
         """How values of an alarm are said: in the unit of the sensor that measures it, or of the scene."""
         channel = next((c for c in self.plan.measured if c.name == one.shown_by and c.column_unit), None)
-        return channel.told if channel is not None else lambda value: said(value, one.unit, self.system)
+        return channel.told if channel is not None else lambda x, digits=4: said(x, one.unit, self.system, digits)
 
     def _judge_ahead(self, row: Compared) -> None:
         """Where the simulation ahead cannot go on, such as with two blocks together."""
@@ -544,9 +557,10 @@ class Watch:
     def _believes(self, row: Compared, status: str) -> bool:
         """Whether a stop ahead is one of the machine: by its place also while that is caught up with."""
         # Nor does it wait for an estimate: a load that is not known hangs at the same place.
-        return status in BY_PLACE or (row.foreseen is not None and row.foreseen.begun > row.led_until)
+        found = row.foreseen if row.converged else None
+        return status in BY_PLACE or (found is not None and found.begun > row.led_until)
 
 
-def said(value: float, unit: str, system: str = "si") -> str:
+def said(value: float, unit: str, system: str = "si", digits: int = 4) -> str:
     """A quantity in words, in the units of a system."""
-    return quantity(float(value), unit) if system == "si" else shown(float(value), unit, system)
+    return quantity(float(value), unit, digits) if system == "si" else shown(float(value), unit, system, digits)

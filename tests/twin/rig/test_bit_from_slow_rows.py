@@ -76,7 +76,8 @@ def test_too_few_rows_on_bottom_are_a_reason_that_is_told():
         found.add(AtSurface(t, 0.0, 12.0, 600e3, 0.0, 60e3, 2e3))
         told.append(bool(found.told(Known(1.0, 0.0), Known(1.0, 0.0), {})))
         assert told[-1] or found.lost == [
-            "bit.weight and bit.torque: at least 3 rows on bottom without a gap are needed, and there are fewer so far"
+            "bit.weight, bit.torque and bit.depth: at least 3 rows on bottom without a gap are needed, and there are "
+            "fewer so far"
         ]
         assert not (told[-1] and found.lost)
     assert told == [False, False, True] * 2

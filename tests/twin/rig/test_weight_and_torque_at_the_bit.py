@@ -149,8 +149,8 @@ SPEEDS = {
 
 
 @functools.cache
-def on_bottom(state):
-    """Lines of a twin beside a run on bottom, and times, weights and torques of that run."""
+def on_bottom(state, lost=np.inf):
+    """Lines of a twin beside a run on bottom, whose hook load is lost at a time, and times, weights and torques."""
     steps, penetration = SPEEDS[state]
     block = {"velocity": {"sum": [{"ramp": {"to": to, "over": 2.0, "at": at}} for at, to in steps]}}
     turned = {"ramp": {"to": 12.0, "over": 4.0, "at": 16.0}} if state == "drilling" else 0.0
@@ -169,7 +169,7 @@ def on_bottom(state):
         down = LENGTH + float(run["block_position"][k])
         rows.append((float(t), {
             "block": run["block_position"][k], "rotary_speed": run["rotation_rate"][k, 0],
-            "hook_load": run["hook_load"][k] * (1.0 + 0.002 * random.standard_normal()),
+            "hook_load": run["hook_load"][k] * (1.0 + 0.002 * random.standard_normal()) if t < lost else np.nan,
             "torque": run["surface_torque"][k] * (1.0 + 0.005 * random.standard_normal()),
             "flow": 0.03, "bit_depth": down, "hole_depth": down if run["weight_on_bit"][k] > 1e3 else LENGTH + 2.0,
         }))  # fmt: skip
@@ -206,3 +206,11 @@ def test_a_twin_that_slides_tells_no_torque_at_the_bit_and_says_why():
     line = on_bottom("sliding")[0][-1]
     assert "bit.torque" not in line["estimates"]
     assert any(one.startswith("bit.torque") for one in line["rig"]["cannot_be_told"])
+
+
+def test_the_depth_of_a_bit_whose_weight_is_not_known_is_left_out_and_why_is_said():
+    lines = on_bottom("sliding", lost=46.0)[0]
+    known = [line for line in lines if 44.0 < line["time"] < 46.0]
+    assert all("bit.depth" in line["estimates"] for line in known)
+    assert "bit.weight" not in lines[-1]["estimates"] and "bit.depth" not in lines[-1]["estimates"]
+    assert any(one.startswith("bit.depth: the weight") for one in lines[-1]["rig"]["cannot_be_told"])

@@ -412,10 +412,8 @@ class Estimate:
 
     @property
     def converged(self) -> bool:
-        """Whether the estimate is known much better than at the start."""
-        h = self.horizon
-        n = len(self.plan.unknowns)
-        return n == 0 or bool(np.any(h.deviation[:n] < 0.1 * h.first_sd[:n]))
+        """Whether the estimate is a guess no more, and simulated where it stands."""
+        return not self.plan.unknowns or (self.horizon.found and not self.horizon.is_far)
 
     @property
     def shown(self) -> bool:

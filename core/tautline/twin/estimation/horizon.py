@@ -40,6 +40,9 @@ LASTING = 0.6
 """Share of the window over which that has to last."""
 TINY = 1e-4
 """Information, over that of the start, that a window has of what it does not see."""
+TENTH = 0.1
+"""Standard deviation, over that of the start, from which on downwards the sensors have shown a number; and over the
+number itself, from which on downwards it was known before."""
 UNSEEN = 0.7
 """Standard deviation, over that of the start, from which on a number is not known."""
 MEMORY = 10.0
@@ -151,6 +154,11 @@ class Horizon:
         Time at which the prior was released for the last time; minus infinity.
     since, changed : float
         Time from which samples count, as what was before it was forgotten, and when that was; minus infinity.
+    found : bool
+        Whether the estimate is a guess no more. That stays, however little the sensors show of it later on, until the
+        estimate starts anew.
+    begun : float
+        Time of the first sample since the estimate has started anew; NaN before it.
     """
 
     MADE_ANEW = (
@@ -195,6 +203,7 @@ class Horizon:
         self.alike, self.learned = np.ones(m), np.zeros(m)
         self._anew, self._carried, self._carried_at = False, 0.0, -np.inf
         self._told = 0  # readings since `lasting` was found
+        self.found, self.begun = False, np.nan
 
     # -- samples -------------------------------------------------------------------------------------------------------
 
@@ -205,6 +214,8 @@ class Horizon:
         self.largest = np.maximum(self.largest, np.where(sample.use, np.abs(sample.y), 0.0))
         if not np.isfinite(self.prior_time):
             self.prior_time = sample.time
+        if not np.isfinite(self.begun):
+            self.begun = sample.time
         while self.samples[0].time < sample.time - self.window - ONE_STAMP:
             self._leave(self.samples.popleft())
         self._forget_what_changed()
@@ -236,6 +247,7 @@ class Horizon:
         self.prior_mean = np.where(self.free, 0.0, np.clip(self.mean, self.low, self.high))
         self.prior = np.diag(1.0 / self.first_sd**2)
         self.prior_time = np.nan
+        self.found, self.begun = False, np.nan
         self.learned[:] = 0.0
         self.lasting, self.left = np.zeros_like(self.lasting), np.zeros_like(self.left)
         self.mean, self.covariance = self.prior_mean.copy(), np.diag(self.first_sd**2)
@@ -381,6 +393,7 @@ class Horizon:
         wanted = self.covariance @ (self.prior @ self.prior_mean + pull)
         away = np.maximum(np.maximum(self.low - wanted, wanted - self.high), 0.0)
         self.beyond = away / np.sqrt(np.diag(self.covariance))
+        self._follow_found()
         # Whether it contradicts the prior is asked of the window by the sensor's own noise: what a changed load leaves
         # unexplained must not pass for noise.
         info, pull = self._information_of(stacked, alone=True)
@@ -389,6 +402,38 @@ class Horizon:
         best = np.linalg.solve(self.prior + info, self.prior @ self.prior_mean + pull)
         self._learn(stacked, np.clip(best, self.low, self.high))
         self._follow_lasting(stacked)
+
+    def _follow_found(self) -> None:
+        """Find whether the estimate is a guess no more: a number was shown, or a whole window has left all well known.
+
+        What the map knows well to begin with, sensors may never show ten times better. Yet a window of readings has to
+        come first: it shows the free motions, and that the map is wrong.
+        """
+        last, newest = ~self.free, self.samples[-1]
+        shown = TENTH * self.first_sd[last]
+        if not self.found and np.any(self.deviation[last] < shown):
+            self.found = True
+        elif not self.found and self.has_seen_a_window:
+            # What the zero of a sensor is off by does not matter below the sensor's own noise.
+            noise = {one.name: sd for one, sd in zip(self.channels, self.deviations(newest.y0), strict=True)}
+            size = [noise[one.target] if one.is_offset else abs(mean) * TENTH for one, mean in self._lasting_ones()]
+            self.found = bool(np.all(self.linear_deviation[last] < np.maximum(shown, size)))
+
+    def _lasting_ones(self) -> list[tuple[Unknown, float]]:
+        """Unknowns that are no free motions, and their estimates."""
+        both = zip(self.unknowns, self.mean.tolist(), self.free, strict=True)
+        return [(one, mean) for one, mean, free in both if not free]
+
+    @property
+    def has_seen_a_window(self) -> bool:
+        """Whether rows have come for a window since the estimate started anew."""
+        return bool(self.samples) and self.samples[-1].time - self.begun >= FULL * self.window
+
+    @property
+    def is_far(self) -> bool:
+        """Whether the estimate has left what was simulated, by more than is known of it: that is simulated anew now."""
+        off, bent = BENT * np.abs(self.mean - self.theta0), self.bent
+        return bool(np.any((off > np.maximum(TENTH * self.first_sd, self.linear_deviation))[bent]))
 
     def _follow_lasting(self, stacked: Stacked) -> None:
         """Find what is left of the window at the estimate, and what the estimate is off by where that is no noise.
@@ -458,6 +503,7 @@ class Horizon:
             narrow = np.all(np.diag(wider)[last] < np.diag(most)[last])
             self.prior = np.linalg.inv(wider) if narrow else np.linalg.inv(most)
             self.released, self._contradicted = time, np.nan
+            self.found = False
 
     def _forget_what_changed(self) -> None:
         """Forget what was before some last samples, where another estimate explains these and the old one does not."""
@@ -474,6 +520,7 @@ class Horizon:
         self.drop_before(self.since)
         self.prior = np.diag(1.0 / self.first_sd**2)
         self.released, self._contradicted = self.samples[-1].time, np.nan
+        self.found, self.begun = False, self.since
 
     def _gain(self, samples: Sequence[Sample], old: np.ndarray) -> float:
         """By how much the squares of samples fall with an estimate of their own; 0 where they do not fall by most.
