@@ -196,9 +196,11 @@ def simulate(
     asked = getattr(getattr(scene, "solver", None), "accuracy", None)
     with as_arguments({"-o": "path", "--resume": "resume", "--verify": "verify"}):
         if asked is not None and step is None and method is None and resume is None and not verify:
+            from tautline.application.installed import key_of_setting
             from tautline.study.accuracy.choice import run_to_accuracy
 
-            return run_to_accuracy(application, scene, asked, path, progress)
+            key = key_of_setting(application, "interval")
+            return run_to_accuracy(application, scene, asked, path, progress, interval_key=key)
         model = application.build(scene)
         return run(model, path, progress, resume, afterwards=_estimate(application, scene, model, verify, resume))
 

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from tautline.application.installed import Catalogue, overridden
+from tautline.application.installed import Catalogue, key_of_setting, overridden
 from tautline.cli.options.changes import as_given, change_of, changed
 from tautline.cli.output.called import typed
 from tautline.cli.output.console import console, print_json, say
@@ -298,8 +298,10 @@ def _to_accuracy(application: Application, scene: Any, asked: float, target: Pat
         bar.again(end, "choosing the step")
 
     return run_to_accuracy(
-        application, scene, asked, target, progress=bar, announce=None if quiet else compiling, begin=begin
-    )
+        application, scene, asked, target, progress=bar, announce=None if quiet else compiling, begin=begin,
+        looks=lambda end: bar.again(end, "looking between the frames"),
+        interval_key=key_of_setting(application, "interval"),
+    )  # fmt: skip
 
 
 def _as_it_stands(

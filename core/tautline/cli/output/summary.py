@@ -145,9 +145,11 @@ def _reached(chosen: dict[str, Any]) -> str:
     if chosen["met"] is None:
         return "not judged"
     estimate = "" if chosen["reached"] is None else f", by estimate {significant(100.0 * chosen['reached'], 2)} %"
-    runs = len(chosen["runs"])
+    runs = f"{len(chosen['runs'])} runs"
+    if chosen.get("between_frames"):
+        runs += " and one that looked between frames,"
     cost = "" if chosen["cost"] is None else f" that took {significant(chosen['cost'], 2)} times the time of the last"
-    return f"{'reached' if chosen['met'] else 'NOT reached'}{estimate}, in {runs} runs{cost}"
+    return f"{'reached' if chosen['met'] else 'NOT reached'}{estimate}, in {runs}{cost}"
 
 
 def limit_said(record: dict[str, Any], system: str = "si") -> str:

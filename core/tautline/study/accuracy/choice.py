@@ -33,10 +33,13 @@ from tautline.scene.errors import option_error
 from tautline.scene.limits import without_limits
 from tautline.scene.methods import explicit_like, implicit_like, method_of
 from tautline.simulation import Afterwards, simulate
+from tautline.study.accuracy.finer_frames import Looked, look_between
 from tautline.study.accuracy.grid import critical_at_start
 from tautline.study.accuracy.shape import order_of_one_shape
+from tautline.study.trials.between_frames import INTERVAL
 from tautline.study.trials.errors import apart, ends_apart, motion
 from tautline.study.trials.history import History, Watched, watch
+from tautline.study.trials.history import forces as all_forces
 from tautline.study.trials.step_error import (
     SAFETY,
     StepError,
@@ -44,6 +47,7 @@ from tautline.study.trials.step_error import (
     from_longer,
 )
 from tautline.study.trials.trial import Setting, Subject
+from tautline.system.model import Model
 
 COARSEST = 1.0
 """Steps in an interval of the frames that the first run takes at least."""
@@ -163,6 +167,8 @@ class Choice:
         long steps do not show which force varies most.
     why : str
         Why no more accurate run is made, where that is not because the accuracy is reached.
+    looked : Looked or None
+        What one more run showed between the frames of the last; None where none was made.
     """
 
     asked: float
@@ -174,6 +180,7 @@ class Choice:
     estimates: list[float] = field(default_factory=list)
     watched: Watched | None = None
     why: str = ""
+    looked: Looked | None = None
 
     def rehearsed(self, method: str, divisor: float) -> bool:
         """Whether a run with these steps only serves to find the next: it need not be stored."""
@@ -287,7 +294,7 @@ class Choice:
     def record(self) -> dict[str, Any]:
         """What is stored with the result and printed by ``--json``."""
         last, errors = self.made[-1], self.errors()
-        spent = sum(run.cpu for run in self.made)
+        spent = sum(run.cpu for run in self.made) + (0.0 if self.looked is None else self.looked.cpu)
         return {
             "asked": self.asked,
             "met": self.met,
@@ -297,6 +304,7 @@ class Choice:
             "step": last.step,
             "why": self.why,
             "cost": spent / last.cpu if last.cpu > 0.0 else None,
+            "between_frames": self.looked is not None and self.looked.found is not None,
             "runs": [
                 {
                     "method": run.method, "step": run.step, "steps": run.steps, "cpu_time": run.cpu,
@@ -327,6 +335,18 @@ class Choice:
     def _like(self, method: str) -> list[Made]:
         return [run for run in self.made if run.method == method and run.seen is not None]
 
+    def steps_of_the_last_two(self) -> tuple[int, int] | None:
+        """Steps in an interval of the frames of the last run, and of the run of its method before it, or 1.
+
+        None of a last run that tells nothing. An explicit method without a run before has those of the last twice.
+        """
+        last = self.made[-1]
+        if last.seen is None:
+            return None
+        before = [run.divisor for run in self._like(last.method)[:-1]]
+        least = last.divisor if method_of(last.method).explicit else 1.0
+        return round(last.divisor), math.ceil(before[-1] if before else least)
+
     def _pairs(self, kind: str) -> list[tuple[Made, Made]]:
         """The last run of those that came to their end with the one before, and that with the one before it.
 
@@ -341,7 +361,7 @@ class Choice:
     def _changes(self, coarse: Made, fine: Made) -> dict[str, float]:
         assert coarse.seen is not None and fine.seen is not None and self.watched is not None
         force = self.watched.force
-        return changes(coarse.seen, fine.seen, self.watched.extent, force.number if force is not None else None)
+        return changes(coarse.seen, fine.seen, self.watched.extent, force.column if force is not None else None)
 
     def _orders_shown(self) -> dict[str, float]:
         """The orders by which the last three runs converge over time, by kind, of those that show one.
@@ -437,8 +457,8 @@ def _over_time(seen: Seen, kind: str, watched: Watched | None) -> np.ndarray | N
         return seen.history.position
     if kind == "twist":
         return None if seen.turned is None else seen.turned.force
-    number = None if watched is None or watched.force is None else watched.force.number
-    return None if number is None or number >= seen.forces.shape[1] else seen.forces[:, number]
+    column = None if watched is None or watched.force is None else watched.force.column
+    return None if column is None or column >= seen.forces.shape[1] else seen.forces[:, column]
 
 
 def _between(coarse: Seen, fine: Seen) -> float | None:
@@ -482,7 +502,7 @@ def changes(coarse: Seen, fine: Seen, extent: float, force: int | None) -> dict[
     Parameters
     ----------
     force : int or None
-        Number of the force that is compared; None where a scene has none.
+        Column of the force that is compared; None where a scene has none.
     """
     found = differences(coarse, fine, extent)
     if "force" in found and force is not None and min(coarse.forces.size, fine.forces.size):
@@ -493,7 +513,7 @@ def changes(coarse: Seen, fine: Seen, extent: float, force: int | None) -> dict[
 def look_at(result: Result, watched: Watched) -> Seen:
     """What of a run is compared."""
     history = watched.of(result)
-    forces = NONE if watched.force is None else np.asarray(result[watched.force.variable], float)
+    forces = NONE if watched.force is None else all_forces(result)
     if "torque" not in result or "rotation" not in result or result["rotation"].ndim != 2:
         return Seen(history, None, forces)
     rotation = np.asarray(result["rotation"], float)
@@ -508,6 +528,8 @@ def run_to_accuracy(
     progress: Callable[[float, float], None] | None = None,
     announce: Callable[[int], Any] | None = None,
     begin: Callable[[str, float, float], None] | None = None,
+    looks: Callable[[float], None] | None = None,
+    interval_key: str = INTERVAL,
 ) -> Result:
     """Run a scene with the method and the step that reach an accuracy, and state what was reached.
 
@@ -522,12 +544,16 @@ def run_to_accuracy(
         As `tautline.simulation.simulate` takes them. Under ``path`` stand the runs that may be the last.
     begin : callable or None
         Called before each run with its method, step s, and end s.
+    looks : callable or None
+        Called with the end, s, before the run that looks between the frames of the last.
+    interval_key : str
+        What sets the frames in the scene's file.
 
     Returns
     -------
     Result
-        With the attributes ``accuracy`` (`Choice.record`) and ``step_error``; a warning says so where the accuracy is
-        not reached.
+        With the attributes ``accuracy`` (`Choice.record`), ``step_error`` and ``between_frames``; a warning says so
+        where the accuracy is not reached.
 
     Raises
     ------
@@ -540,15 +566,16 @@ def run_to_accuracy(
         raise option_error("accuracy", f"{asked:g}", "needs every frame, and the scene keeps statistics", cure)
     choice = Choice(asked, float(model.solver.interval), float(model.solver.end), bool(model.system.has_friction))
     search = _Search(application, scene, choice, (implicit_like(model.solver.method), _coarsest(scene, choice)))
+    search.look, search.interval_key = _look(progress, looks), interval_key
     while search.following is not None:
         method, divisor = search.following
         step, rehearsed = choice.interval / divisor, choice.rehearsed(method, divisor) and not search.to_store
         arranged = search.arranged(method, step)
         if begin is not None:
             begin(method, step, choice.end)
-        judge = Afterwards(partial(search.judge, method, divisor))
+        made = application.build(without_limits(arranged) if rehearsed else arranged)
+        judge = Afterwards(partial(search.judge, method, divisor, None if rehearsed else made))
         try:
-            made = application.build(without_limits(arranged) if rehearsed else arranged)
             result = simulate(made, None if rehearsed else path, progress, announce=announce, afterwards=judge)
         except StoppedEarly as stop:
             if not search.goes_on_after(stop, method, divisor):
@@ -569,6 +596,10 @@ class _Search:
         Method of the next run and its steps in an interval; None after the last.
     to_store : bool
         Whether the next run is the last one made again: what only served to find the next was not stored.
+    look : callable
+        Looks between the frames of a run, given what `look_between` takes.
+    interval_key : str
+        What sets the frames in the scene's file.
     """
 
     application: Any
@@ -576,20 +607,38 @@ class _Search:
     choice: Choice
     following: tuple[str, float] | None
     to_store: bool = False
+    look: Callable[..., Looked | None] = look_between
+    interval_key: str = INTERVAL
 
     def arranged(self, method: str, step: float) -> Any:
         """The scene with a method and a fixed step, s."""
         interval = max(step, self.choice.interval)
         return self.application.with_overrides(self.scene, method=method, step=step, control="fixed", interval=interval)
 
-    def judge(self, method: str, divisor: float, result: Result) -> tuple[dict[str, Any], list[str]]:
-        """Find what follows a run that came to its end; its attributes and warnings."""
+    def judge(
+        self, method: str, divisor: float, model: Model | None, result: Result
+    ) -> tuple[dict[str, Any], list[str]]:
+        """Find what follows a run that came to its end; its attributes and warnings.
+
+        ``model`` is None of a run that only serves to find the next: nobody looks between its frames.
+        """
         choice = self.choice
         choice.take(method, divisor, result)
         if len(choice.made) == ASKED_AFTER and not choice.friction:
             choice.explicit = _stable(self.application, self.scene, choice.interval)
         self.following = choice.following()
-        return _attributes_and_warnings(choice, result)
+        if self.following is None and model is not None:
+            self._look_between(model, result)
+        return _attributes_and_warnings(choice, self.interval_key)
+
+    def _look_between(self, model: Model, result: Result) -> None:
+        """Look between the frames of the last run, where anything moves."""
+        choice = self.choice
+        if choice.watched is None or not choice.watched.moves:
+            return
+        steps = choice.steps_of_the_last_two()
+        if steps is not None:
+            choice.looked = self.look(Subject(self.application, self.scene), model, result, *steps)
 
     def goes_on_after(self, stop: StoppedEarly, method: str, divisor: float) -> bool:
         """Whether another run follows one that stopped early."""
@@ -618,7 +667,20 @@ def _stable(application: Any, scene: Any, interval: float) -> float:
     return math.inf if critical is None else max(1.0, interval / (EXPLICIT_SHARE * critical))
 
 
-def _attributes_and_warnings(choice: Choice, result: Result) -> tuple[dict[str, Any], list[str]]:
+def _look(
+    progress: Callable[[float, float], None] | None, looks: Callable[[float], None] | None
+) -> Callable[..., Looked | None]:
+    """What looks between the frames of a run, and shows that it does."""
+
+    def look(subject: Subject, model: Model, result: Result, last: int, before: int) -> Looked | None:
+        if looks is not None:
+            looks(float(model.solver.end))
+        return look_between(subject, model, result, last, before, progress)
+
+    return look
+
+
+def _attributes_and_warnings(choice: Choice, interval_key: str) -> tuple[dict[str, Any], list[str]]:
     """Attributes and warnings of a run."""
     attributes: dict[str, Any] = {"accuracy": choice.record()}
     errors, watched = choice.errors(), choice.watched
@@ -629,4 +691,8 @@ def _attributes_and_warnings(choice: Choice, result: Result) -> tuple[dict[str, 
             min(others), watched.point_said, errors["position"] * size, errors["position"],
             watched.force_said, errors.get("force"), others,
         )._asdict()  # fmt: skip
-    return attributes, [choice.warning] if choice.warning else []
+    looked = choice.looked
+    if looked is not None and looked.found is not None:
+        attributes["between_frames"] = looked.found.record()
+    told = [choice.warning, None if looked is None else looked.warned(interval_key)]
+    return attributes, [text for text in told if text]

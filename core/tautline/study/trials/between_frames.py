@@ -28,8 +28,8 @@ from tautline.scene.solver import divided
 from tautline.scene.values.printed import in_percent, quantity, rounded
 from tautline.system.model import Model
 
-FINER = 10
-"""Frames that the other run stores for each of the run's own, at most."""
+FINER, ENOUGH = 10, 5
+"""Frames that the other run stores for each of the run's own, at most, and how many are enough."""
 ROOM = 20_000_000
 """Numbers, about, that all frames of the other run may hold in memory."""
 SECONDS = 1.0e-3
@@ -163,6 +163,14 @@ def frames_for_each(model: Model, own: float, step: float, frames: int) -> int:
 def divisor(steps: int, most: int = FINER) -> int:
     """The largest divisor of a number of steps that is no more than ``most`` and `FINER`."""
     return max((count for count in range(1, min(most, FINER) + 1) if steps % count == 0), default=1)
+
+
+def well_divided(steps: int) -> int:
+    """The number of steps next to one that can be divided among enough frames: 12 of 13; few steps stay as they are."""
+    if steps <= FINER:
+        return steps
+    near = (count for away in range(steps) for count in (steps - away, steps + away))
+    return next(count for count in near if divisor(count) >= ENOUGH)
 
 
 def at_times(result: Result, time: np.ndarray) -> Result:

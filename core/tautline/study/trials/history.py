@@ -12,6 +12,11 @@ from tautline.results.result import Result
 POINTS = ("tip", "body_position", "position")
 """Variables that hold positions, the first that a result has: a hose's tip, a crane's bodies, nodes or lumps."""
 FORCES = ("axial_force", "tension")
+ENDS, END_NAMES = "end_force", ("start", "end")
+"""The axial force at both ends of each element, and what these are called. The largest force that a run shows is one of
+these or of a middle: of cubic elements, and of a load that comes at once, ends vary far more than middles do."""
+VARIES_MORE = 1.0e-6
+"""Share by which an end's force has to vary more than that of any middle: those of one strain vary alike."""
 RESTING = 1.0e-9
 """Share of the scene's size below which a point has not moved, and of a force below which that has not varied."""
 MOVES = 1.0e-3
@@ -23,16 +28,23 @@ class Place(NamedTuple):
     """Where in a result: a variable and, where it has more than one, which: its label, and its number of so many.
 
     In a mesh that is divided evenly the place is as far along as it was, between two elements if need be; in any other
-    it is what has the label.
+    it is what has the label. ``end`` is that of an element, 0 or 1; None where the variable has no ends.
     """
 
     variable: str
     label: str
     number: int
     count: int
+    end: int | None = None
 
     def __str__(self) -> str:
-        return f"{self.variable.replace('_', ' ')} {self.label}".strip()
+        of_end = "" if self.end is None else f", {END_NAMES[self.end]}"
+        return f"{self.variable.replace('_', ' ')} {self.label}".strip() + of_end
+
+    @property
+    def column(self) -> int:
+        """Which of `forces` this is, of a mesh of its own."""
+        return self.number if self.end is None else (1 + self.end) * self.count + self.number
 
 
 class History(NamedTuple):
@@ -103,6 +115,8 @@ def _name_of(result: Result, place: Place | None) -> str:
     kind = dims[1].replace("_", " ")
     # A number tells nothing without what it counts; a name of the scene needs no more.
     of = f"{kind} {place.label}" if place.label[0].isdigit() else place.label
+    if place.end is not None:
+        return f"axial force at the {END_NAMES[place.end]} of {of}"
     return f"{what.removeprefix(f'{kind} ')} of {of}"
 
 
@@ -126,12 +140,40 @@ def _far_end(result: Result, there: list[str]) -> Place:
     return _place(result, variable, chosen, moved.size)
 
 
+def forces(result: Result) -> np.ndarray:
+    """All forces (m, n) N that one may be looked at of: those of middles, of starts and of ends; of cranes tensions."""
+    variable = _force_variable(result)
+    if variable is None:
+        return np.zeros((0, 0))
+    middles = np.asarray(result[variable], float)
+    if not _has_ends(result, variable):
+        return middles
+    ends = np.asarray(result[ENDS], float)
+    return np.concatenate([middles, ends[:, :, 0], ends[:, :, 1]], axis=1)
+
+
+def _force_variable(result: Result) -> str | None:
+    there = (name for name in FORCES if name in result)
+    return next((name for name in there if result[name].ndim == 2 and result[name].shape[1]), None)
+
+
+def _has_ends(result: Result, variable: str) -> bool:
+    return variable == FORCES[0] and ENDS in result
+
+
 def _force(result: Result) -> Place | None:
-    for variable in FORCES:
-        if variable in result and result[variable].ndim == 2 and result[variable].shape[1]:
-            varies = np.ptp(result[variable], axis=0)
-            return _place(result, variable, int(varies.argmax()), varies.size)
-    return None
+    """The force that varies most; an end's where that varies more than those of all middles."""
+    variable = _force_variable(result)
+    if variable is None:
+        return None
+    count = result[variable].shape[1]
+    varies = np.ptp(forces(result), axis=0)
+    chosen = int(varies[:count].argmax())
+    most = int(varies.argmax())
+    if varies[most] <= (1.0 + VARIES_MORE) * varies[chosen]:
+        return _place(result, variable, chosen, count)
+    end, number = divmod(most - count, count)
+    return _place(result, variable, number, count)._replace(variable=ENDS, end=end)
 
 
 def _place(result: Result, variable: str, index: int, count: int) -> Place:
@@ -162,6 +204,8 @@ def _named(result: Result, label: str) -> Place:
 
 def _at(result: Result, place: Place, dimensions: int) -> np.ndarray:
     values = np.asarray(result[place.variable], float)
+    if place.end is not None:
+        return _at_end(values[:, :, place.end], place, result)
     if values.ndim == dimensions:
         return values
     count = values.shape[1]
@@ -177,6 +221,18 @@ def _at(result: Result, place: Place, dimensions: int) -> np.ndarray:
         index = place.number * (count - 1) / max(1, place.count - 1)
     else:
         index = (place.number + 0.5) * count / place.count - 0.5
+    return _between(values, min(max(index, 0.0), count - 1.0))
+
+
+def _at_end(values: np.ndarray, place: Place, result: Result) -> np.ndarray:
+    """The force (m,) at an end of an element that is as far along in another mesh; all values (m, count) are given."""
+    assert place.end is not None
+    count, outermost = values.shape[1], (place.count - 1) * place.end
+    labels = _labels(result, place.variable, count)
+    even = count % place.count == 0 or place.count % count == 0
+    if count != place.count and not even and place.label in labels and place.number != outermost:
+        return values[:, labels.index(place.label)]
+    index = (place.number + place.end) * count / place.count - place.end
     return _between(values, min(max(index, 0.0), count - 1.0))
 
 

@@ -37,12 +37,14 @@ from tautline.scene.methods import method_of
 from tautline.scene.solver import divided
 from tautline.scene.values.printed import in_percent, quantity
 from tautline.study.trials.between_frames import (
+    ENOUGH,
     SECONDS,
     BetweenFrames,
     at_times,
     between_frames,
     divisor,
     frames_for_each,
+    well_divided,
 )
 from tautline.study.trials.errors import HARDLY, apart, ends_apart
 from tautline.study.trials.history import History, Watched, watch
@@ -54,9 +56,9 @@ SHORTER, LONGER, HALF = (0.5, 1.0 / 3.0), (2.0, 4.0), (0.5,)
 explicit method, which longer steps make unstable, and for controlled steps of which a frame holds one or two."""
 NEAR = 1.5
 """The longer step of the other run where steps are controlled, at most: a frame holds a whole number of it."""
-MORE, ENOUGH, BARELY = 4, 5, 1.25
-"""Steps that a frame may then hold more, less one; frames within a frame that are enough; and the least step that is
-enough longer than the run's own to tell, over that."""
+MORE, BARELY = 4, 1.25
+"""Steps that a frame may then hold more, less one; and the least step that is enough longer than the run's own to tell,
+over that."""
 SAFETY = 1.25
 """Roache's factor of safety for an order that was observed in three runs."""
 ORDER, LOWEST = 2.0, 0.5
@@ -315,6 +317,10 @@ def looked_at(
     between = None
     for number, part in enumerate(parts):
         onward = _onward(progress, number * float(result.time[-1]), spent)
+        if number == 0:
+            # Of 13 steps in a frame none can be stored but the last, of 12 every second one.
+            interval = float(model.solver.interval)
+            part = interval / well_divided(round(interval / divided(interval, own * part))) / own
         first = number == 0 and judged_by is not None
         finer = frames_for_each(model, own, own * part, len(result.time)) if first else 1
         trial = _other(subject, result, given, own * part, part, onward, finer)
