@@ -75,7 +75,8 @@ def build(scene: CraneScene) -> Model:
         return headline(result, scene, layout, names)
 
     solver = scene.solver
-    stored = layout.once(f"variables, {made.compensation is None}", lambda: variables(observer))
+    has = made.compensation is not None, observer.waves is not None
+    stored = layout.once(f"variables, {has}", lambda: variables(observer))
     places = layout.once("coordinates", observer.coordinates)
     error = float(solver.step_error or STEP_ERROR) if scene.controlled else 0.0
     model = Model(

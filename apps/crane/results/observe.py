@@ -167,7 +167,7 @@ class Observer:
         self.laid = drawn if self.spans is None else self.spans.laid
         diameter = self.scene.rope.diameter
         self.layers = [layers_of(self.scene.path[i], diameter, layout.stretch) for i in self.drums]
-        self.waves = layout.once("waves", lambda: waves_of(self.scene))
+        self.waves = waves_of(self.scene)
         self.hung = layout.once("hung", self._hung)
         # Known once an equilibrium was found, here or by the simulation whose state was restored.
         self.hangs = np.full((self.elements, 2), np.nan)

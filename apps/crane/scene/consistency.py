@@ -24,6 +24,9 @@ MOST_ELEMENTS = 2000
 PLACES = ("position", "center", "offset", "pivot", "reference", "rest")
 FAR_AWAY = 1.0e8
 """Coordinate, m, beyond which the rounding of positions would show in the forces of a rope."""
+WATERS = "volume", "added_mass", "drag"
+"""What says of a body that water acts on it."""
+SEA_KEYS = "significant_height", "peak_period", "gamma", "seed", "components", "ramp"
 DIVISORS = ("mass_per_length", "axial_stiffness", "diameter", "radius", "core_radius", "mass", "inertia", "stiffness")
 
 
@@ -221,7 +224,8 @@ def _waves(scene: Scene) -> Iterator[Fault]:
     if not any(body.height is not None for body in scene.bodies):
         yield at, "no body has a `height`: waves act on nothing", "give a body `height` and `bottom`, or remove this"
     for i, body in enumerate(scene.bodies):
-        if body.height is None and any(_acts(getattr(body, key)) for key in ("volume", "added_mass", "drag")):
+        states = body, body.after_release()
+        if body.height is None and any(_acts(getattr(one, key)) for one in states for key in WATERS):
             cause = "is missing: waves move the water at each depth otherwise, and act on a body by its height"
             yield ("bodies", i, "height"), cause, "give `height` and `bottom`"
     if waves.elevation != "vessel":
@@ -231,6 +235,12 @@ def _waves(scene: Scene) -> Iterator[Fault]:
         cure = "give vessel.motion a sea, or write the waves, such as {spectrum: {significant_height: 1.5, ...}}"
         yield (*at, "elevation"), cause, cure
         return
+    for key in SEA_KEYS:
+        if len({getattr(sea, key) for sea in scene.vessel.seas.values()}) > 1:
+            which = " and ".join(scene.vessel.seas)
+            cause = f"the motions of the vessel have several seas: {key} of {which} is not the same"
+            yield (*at, "elevation"), cause, "write the same, or give vessel.motion one sea and a file of responses"
+            return
     known = getattr(scene.vessel.motion, "direction", None)
     if waves.direction is None and known is None:
         cause = "is missing, and the vessel's responses do not say in which direction the waves run"

@@ -6,8 +6,9 @@ from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, Discriminator, Field, Tag, model_validator
 
+from tautline.scene.choices.branches import Branch, OneOf
 from tautline.scene.choices.words import word
-from tautline.scene.functions import Constant, FunctionOfTime, Harmonic, Spectrum, Sum, time_function
+from tautline.scene.functions import Constant, FunctionOfTime, Harmonic, Spectrum, Sum, branches, time_function
 from tautline.scene.model import MARK, Model
 from tautline.scene.names import Name
 from tautline.scene.reading.files import FileName
@@ -153,19 +154,24 @@ class Vessel(Model):
         """
         if isinstance(self.motion, SeaMotion):
             return self.motion.sea
-        found = (getattr(self.motion, name, None) for name in IN_SEA)
-        return next((one for one in found if isinstance(one, Spectrum)), None)
+        return next(iter(self.seas.values()), None)
+
+    @property
+    def seas(self) -> dict[str, Spectrum]:
+        """Spectra that its motions have of their own, by the motion."""
+        found = {name: getattr(self.motion, name, None) for name in IN_SEA}
+        return {name: one for name, one in found.items() if isinstance(one, Spectrum)}
 
 
-def _elevation(value: Any) -> str:
-    """Which way an elevation is written."""
-    return f"{MARK}vessel" if isinstance(value, str) else f"{MARK}function"
-
-
+WAVES = ("spectrum", "harmonic", "sum")
 Elevation = Annotated[
-    Annotated[Literal["vessel"], word("vessel"), Tag(f"{MARK}vessel")]
-    | Annotated[FunctionOfTime, time_function("m", of="heave"), Tag(f"{MARK}function")],
-    Discriminator(_elevation),
+    Any,
+    OneOf(
+        "waves",
+        {key: branch for key, branch in branches("m", "heave").items() if key in WAVES},
+        Branch(Annotated[Literal["vessel"], word("vessel")], str),
+        example="{spectrum: {significant_height: 1.5, peak_period: 8, ramp: 20}}, or vessel",
+    ),
 ]
 
 

@@ -20,6 +20,8 @@ STEEP = ((8.0, 1.0 / 15.0), (15.0, 1.0 / 25.0))
 """Peak period, s, and the largest wave steepness 2 pi Hs / (g Tp^2) there; DNV-RP-C205, section 3.5.4."""
 BREAKS = 0.142
 """Height over length of a regular wave in deep water that breaks; times tanh(k d) in water of a depth d."""
+SHALLOW = 0.6
+"""Significant height over depth of a sea that breaks: root-mean-square waves are 0.42 of the depth then."""
 FEWEST_WAVES = 5.0
 """Number of equal waves below which a sum of sines looks like no sea at all, whatever is asked of it."""
 AMBIGUOUS = math.radians(150.0)
@@ -66,6 +68,16 @@ def doubts_of_sea(sea: Spectrum, gravity: float) -> Iterator[tuple[str, str]]:
         yield "components", text
 
 
+def doubts_of_depth(sea: Spectrum, depth: float) -> Iterator[str]:
+    """A sentence on a sea that is higher than water of a depth, m, lets it be."""
+    if sea.significant_height > SHALLOW * depth:
+        yield (
+            f"significant waves over {depth:.3g} m of water are {SHALLOW * depth:.3g} m high at most, for higher ones "
+            f"break (Thornton and Guza, 1983). These are {sea.significant_height:g} m. Give lower waves, or see "
+            "whether ground.level is the sea bed"
+        )
+
+
 def doubts_of_waves(elevation: Any, waves: Waves) -> Iterator[tuple[str, str]]:
     """Keys below the elevation of waves of their own, and sentences."""
     terms = elevation.terms if isinstance(elevation, Sum) else (elevation,)
@@ -73,6 +85,7 @@ def doubts_of_waves(elevation: Any, waves: Waves) -> Iterator[tuple[str, str]]:
         key = f"sum[{i}]." if isinstance(elevation, Sum) else ""
         if isinstance(term, Spectrum):
             yield from ((f"{key}spectrum.{name}", text) for name, text in doubts_of_sea(term, waves.gravity))
+            yield from ((f"{key}spectrum.significant_height", text) for text in doubts_of_depth(term, waves.depth))
             continue
         (_, frequency, _) = next(sines(term))
         number = float(wave_number(frequency, waves.depth, waves.gravity)[0])

@@ -101,13 +101,10 @@ def appearance(result: Result, look: Look) -> Appearance:
     if deck is not None and scene.water is not None and deck.points[:, 2].max() < scene.water.surface:
         notes.append("the winch is where the scene has it: its deck is under water")
     if any(level.waves is not None for level in levels):
-        acts = (
-            "waves act on bodies with a height"
-            if waves_of(scene) is not None
-            else "waves are those of the vessel's motion"
-        )
-        still = "the rope is" if waves_of(scene) is not None else "forces on rope and load are"
-        notes.append(f"{acts}; {still} those of still water")
+        note = "waves act on bodies with a height; forces on the rope are those of still water"
+        if waves_of(scene) is None:
+            note = "waves are those of the vessel's motion; forces on rope and load are those of still water"
+        notes.append(note)
     return Appearance(
         units=look.units,
         title=title_of(result),

@@ -28,7 +28,7 @@ from crane.sea.compensation import Compensation
 from crane.sea.frames import MOTIONS
 from crane.sea.mru import ANGLES, read_record
 from crane.sea.record_doubts import doubts, doubts_of_table
-from crane.sea.sea_doubts import doubts_of_phases, doubts_of_sea, doubts_of_turns, doubts_of_waves
+from crane.sea.sea_doubts import doubts_of_depth, doubts_of_phases, doubts_of_sea, doubts_of_turns, doubts_of_waves
 from crane.sea.vessel import read_response
 from crane.sea.waves import waves_of
 from crane.warnings.drawn_askew import drawn_askew
@@ -123,10 +123,25 @@ def doubts_of_motion(scene: CraneScene) -> Sentences:
         yield from ((f"{key}.{name}", text) for name, text in doubts_of_sea(sea, gravity))
         if (moved := key.split(".")[2]) in ANGLES:
             yield from ((f"{key}.{name}", text) for name, text in doubts_of_turns(sea, moved))
-    waves = waves_of(scene)
-    if waves is not None and scene.water is not None and scene.water.waves.elevation != "vessel":
-        key = "water.waves.elevation"
-        yield from ((f"{key}.{name}", text) for name, text in doubts_of_waves(scene.water.waves.elevation, waves))
+    yield from _doubts_of_waves(scene)
+
+
+def _doubts_of_waves(scene: CraneScene) -> Sentences:
+    """Waves on the loads that break, that begin at once, or that are of another sea than the vessel's motion."""
+    waves, key = waves_of(scene), "water.waves.elevation"
+    if waves is None or scene.water is None or scene.water.waves is None:
+        return
+    if scene.water.waves.elevation == "vessel":
+        assert scene.vessel is not None and scene.vessel.sea is not None
+        yield from ((key, text) for text in doubts_of_depth(scene.vessel.sea, waves.depth))
+        return
+    yield from ((f"{key}.{name}", text) for name, text in doubts_of_waves(scene.water.waves.elevation, waves))
+    if scene.vessel is not None and scene.vessel.sea is not None:
+        text = (
+            "the loads are in these waves, and the vessel moves in another sea. Their phases do not fit. Write "
+            "`elevation: vessel` for waves that are those of the vessel's sea"
+        )
+        yield key, text
 
 
 def _record(scene: CraneScene) -> Sentences:

@@ -6,8 +6,11 @@ rides on a long wave; scipy's integration of the law in docs/crane.md, written a
 
 from __future__ import annotations
 
+import json
+
 import numpy as np
 import pytest
+from jsonschema import Draft202012Validator
 from physics.lifting.crane_scenes import GRAVITY, body, ran
 from physics.lifting.test_loads_through_the_surface import (
     BOTTOM,
@@ -22,12 +25,13 @@ from physics.lifting.test_loads_through_the_surface import (
     sprung,
     warnings,
 )  # fmt: skip
-from scipy.integrate import solve_ivp
+from scipy.integrate import solve_ivp, trapezoid
 from scipy.optimize import brentq
 
 import tautline
 from crane.application import Crane
 from crane.operability.conditions import Condition, sea_keys
+from crane.scene.scene import json_schema
 from crane.sea.waves import waves_of
 from tautline.scene.errors import SceneError
 from tautline.scene.functions import Spectrum
@@ -216,7 +220,8 @@ def test_the_mass_matrix_of_equations_has_the_added_mass_of_the_time_that_is_ask
 
 
 @pytest.mark.parametrize(("water", "bodies", "told"), [
-    (wave() | {"elevation": {"constant": 1.0}}, {}, "holds a function that is no wave"),
+    (wave() | {"elevation": {"constant": 1.0}}, {}, "unknown key 'constant'; known: harmonic, spectrum, sum"),
+    (wave() | {"elevation": {"sum": [{"constant": 1.0}]}}, {}, "holds a function that is no wave"),
     (wave() | {"elevation": {"harmonic": {"amplitude": 1, "period": 8, "mean": 1}}}, {}, "has a mean"),
     ({"elevation": {"spectrum": {"significant_height": 1, "peak_period": 8, "rao": 0.4}}}, {}, "has a response"),
     ({"elevation": {"sum": [{"harmonic": {"amplitude": 1, "period": 8}},
@@ -283,6 +288,56 @@ def test_the_amplification_in_waves_is_over_the_rest_in_still_water():
     # Under a trough the surface is nearer by 0.6 m, and the water accelerates upwards.
     push = (DISPLACED + ADDED) * 0.6 * TURN**2 * np.exp(-(TURN**2) / GRAVITY * (3.0 + BOTTOM - 0.5 * HEIGHT - 0.6))
     assert told["value"] == pytest.approx(1.0 + push / (MASS * GRAVITY - LIFT), abs=0.01)
+
+
+def test_check_tells_of_a_sea_that_breaks_over_its_bed():
+    sea = {"spectrum": {"significant_height": 6.0, "peak_period": 12.0, "ramp": 20.0}}
+    for depth, tells in ((8.0, 1), (12.0, 0)):
+        scene = in_waves(lifted(0.0, -1.0), {"elevation": sea}) | {"ground": {"level": -depth, "stiffness": 1e7}}
+        assert sum("break (Thornton" in one for one in warnings(scene)) == tells
+
+
+def test_check_tells_of_a_load_in_another_sea_than_its_vessel():
+    told = [one.text for one in Crane().warnings(at_sea(wave(ramp=8.0)))]
+    assert sum("the vessel moves in another sea" in one for one in told) == 1
+
+
+def test_motions_of_several_seas_give_no_waves():
+    sea = {"significant_height": 1.0, "peak_period": 8.0}
+    motion = {"heave": {"spectrum": sea}, "pitch": {"spectrum": sea | {"seed": 3, "rao": 0.01}}}
+    scene = in_waves(lifted(0.0, -1.0), {"elevation": "vessel", "direction": 0.0})
+    with pytest.raises(SceneError, match="several seas: seed of heave and pitch"):
+        tautline.read(scene | {"vessel": {"reference": [0, 0, 0], "motion": motion}})
+
+
+def test_a_body_that_meets_water_once_it_is_released_needs_a_height_too():
+    left = {"at": 1.0, "remaining": 500.0, "volume": 0.3}
+    scene = in_waves(lifted(0.0, -1.0), wave(ramp=8.0))
+    scene["bodies"].append(body("other", 900.0, (30.0, 0.0, 5.0), spring={"stiffness": [1e4] * 3, "rest": [30, 0, 5]}))
+    scene["bodies"][1]["release"] = left
+    with pytest.raises(SceneError, match="is missing: waves move"):
+        tautline.read(scene)
+
+
+def test_the_schema_takes_each_way_to_write_waves_and_no_other():
+    validator = Draft202012Validator(json_schema())
+    for elevation, fits in (
+        ("vessel", True), (wave()["elevation"], True), ("ship", False), ({"constant": 1.0}, False),
+        ({"sum": [wave()["elevation"]]}, True),
+    ):  # fmt: skip
+        scene = in_waves(lifted(0.0, -1.0), {"elevation": elevation, "direction": 0.0})
+        assert validator.is_valid(json.loads(json.dumps(scene))) == fits
+
+
+@pytest.mark.parametrize("key", ["waves.direction", "waves.elevation.harmonic.amplitude"])
+def test_each_case_of_a_sweep_has_the_waves_of_its_own(key):
+    scene = tautline.read(in_waves(lifted(0.0, -1.0, 3.0), wave(ramp=1.0)))
+    values = [0.0, 1.2] if key == "waves.direction" else [0.3, 0.7]
+    runs = [tautline.simulate(scene.replace({f"water.{key}": value})) for value in values]
+    alone = [trapezoid(run["surface_elevation"][:, 0], run["time"]) / 3.0 for run in runs]
+    collect = [{"output": "surface_elevation[0]", "statistic": "mean", "name": "mean"}]
+    data = tautline.sweep(scene, {f"water.{key}": values}, collect=collect, jobs=1)
+    assert data["mean"].values == pytest.approx(alone, abs=1e-12) and abs(np.diff(alone)) > 1e-4
 
 
 def test_a_catalogue_of_what_a_scene_has_knows_the_elevation():
