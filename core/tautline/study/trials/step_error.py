@@ -317,9 +317,9 @@ def looked_at(
     between = None
     for number, part in enumerate(parts):
         onward = _onward(progress, number * float(result.time[-1]), spent)
-        if number == 0:
+        interval = float(model.solver.interval)
+        if number == 0 and own * part < interval:
             # Of 13 steps in a frame none can be stored but the last, of 12 every second one.
-            interval = float(model.solver.interval)
             part = interval / well_divided(round(interval / divided(interval, own * part))) / own
         first = number == 0 and judged_by is not None
         finer = frames_for_each(model, own, own * part, len(result.time)) if first else 1
