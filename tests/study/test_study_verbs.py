@@ -13,6 +13,7 @@ from tautline.cable.application import Cable
 from tautline.cli.run import run
 from tautline.cli.verbs import make_app
 from tautline.scene.errors import SceneWarning
+from tautline.study.robustness import stability
 from tautline.study.robustness import variants as variants_module
 
 STUDY = ("study", "bar.yaml", "--methods", "newmark", "--steps", "10 ms,5ms", "--repeat", "1")
@@ -55,6 +56,8 @@ def sketched(monkeypatch):
 @pytest.fixture
 def few(monkeypatch):
     """Stability with three variants and without its bisection."""
+    # It takes the function as it is imported: not the one that stands in here.
+    assert stability.changes is not None
     chosen = [change for change in variants_module.changes(False) if change.name in FEW]
     monkeypatch.setattr(variants_module, "changes", lambda quick: chosen)
     monkeypatch.setattr("tautline.study.robustness.critical.bisect", lambda *_: (0.28, 0.283))
