@@ -320,7 +320,8 @@ def looked_at(
         if number == 0:
             # Of 13 steps in a frame none can be stored but the last, of 12 every second one.
             interval = float(model.solver.interval)
-            part = interval / well_divided(round(interval / divided(interval, own * part))) / own
+            if own * part < interval:  # a longer one stands in no frame, and leaves out frames of a run that keeps all
+                part = interval / well_divided(round(interval / divided(interval, own * part))) / own
         first = number == 0 and judged_by is not None
         finer = frames_for_each(model, own, own * part, len(result.time)) if first else 1
         trial = _other(subject, result, given, own * part, part, onward, finer)
