@@ -337,9 +337,9 @@ def _hammer(scene: HoseScene, hose: Average, speed: np.ndarray) -> Sentences:
             f"{significant(share, 2)} times the force that buckles the pipe"
         )
     text = (
-        f"{what}. In the model the water stops, or starts, everywhere at once. Pressure waves (water hammer) are not in "
-        "this model. Behind a valve that closes quickly the pressure rises by rho c dU (Joukowsky): density, speed of "
-        "pressure waves, change of the flow's speed. Give a slower change, or judge the pressure wave by other means"
+        f"{what}. In the model the water stops, or starts, everywhere at once. Pressure waves (water hammer) are not "
+        "in this model. Behind a valve that closes quickly the pressure rises by rho c dU (Joukowsky): density, speed "
+        "of pressure waves, change of the flow's speed. Give a slower change, or judge the pressure wave by other means"
     )
     yield "water.speed", text
 

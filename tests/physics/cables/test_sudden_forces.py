@@ -24,7 +24,8 @@ def bar(elements=20, damping=0.0, force=FORCE, more="", interval=None, stretch=0
         f"0, 0], p: {LENGTH * i / elements!r}, BC: {FREE if i else HELD}}}\n"
         for i in range(elements + 1)
     ) + "".join(
-        f"  - CableALEelement: {{id: {i}, nodes7: [{i}, {i + 1}], EA: {EA}, EJ: 0, rhoA: {DENSITY}, cDamp: {damping}}}\n"
+        f"  - CableALEelement: {{id: {i}, nodes7: [{i}, {i + 1}], EA: {EA}, EJ: 0, rhoA: {DENSITY}, "
+        f"cDamp: {damping}}}\n"
         for i in range(elements)
     )
     timed = "" if interval is None else f", timeInterval: {numbers(interval)}"

@@ -19,6 +19,8 @@ from tautline.scene.warnings import warning
 SMALL = 0.1
 """Share of the other forces up to which one that begins at once is not told: its ringing, about half of it, is then
 some 5 % of the whole."""
+FEW = 4
+"""Elements below which a scene is one of springs and masses, in which nobody looks for the front of a wave."""
 SHARP = 0.5
 """Length, over that of an element, of a front that has run along all rope, from which on the mesh follows it. A bar of
 20 cubic elements without damping has 21 to 27 % too much behind its front, and 0.1 % where that is 0.6 of one."""
@@ -36,7 +38,7 @@ class _Along(NamedTuple):
 @warning("cable")
 def _sudden(scene: CableScene) -> Iterator[tuple[Place, str]]:
     """Of each item the first node at which a rope takes a good part of its force along itself."""
-    if not scene.forces:
+    if not scene.forces or len(scene.elements) < FEW:
         return
     nodes = {node.id: node for node in scene.nodes}
     beside = _beside(scene, nodes)
@@ -98,7 +100,8 @@ def _text(does: str, node: int, found: _Along, total: float) -> str:
     enough = found.length**2 / (total * _speed(found))
     return (
         f"{does} at once at node {node}, along element {found.element.id}, whose damping is too small for its length. "
-        "A wave with a sharp front runs along the rope. Behind such a front the computed force rings: the largest force "
-        "may be too large by about 25 %. More elements or shorter steps alone do not help. Give the rope damping, such as "
-        f"cDamp: {enough:.2g}, or let the force grow in several steps, each a PointForce with its timeInterval"
+        "A wave with a sharp front runs along the rope. Behind such a front the computed force rings: the largest "
+        "force may be too large by about 25 %. More elements or shorter steps alone do not help. Give the rope "
+        f"damping, such as cDamp: {enough:.2g}, or let the force grow in several steps, each a PointForce with its "
+        "timeInterval"
     )
