@@ -66,6 +66,8 @@ GROWING = 1.0e-8
 SAMPLES = 4001
 FASTEST = 1.0e60
 """Speed, m/s, that stands for all above it, whose square could not be computed with."""
+FINE = 0.05
+"""Time between samples over that within which a change of the flow is looked for, at most."""
 ENOUGH_ELEMENTS = 12
 """Elements of a piece from which more of them do not change its highest frequency."""
 
@@ -121,11 +123,45 @@ def rates(scene: HoseScene) -> np.ndarray:
 def _flow(scene: HoseScene, count: int, order: int) -> np.ndarray:
     if scene.water is None:
         return np.zeros(1)
-    end = scene.solver.end
-    functions = compile_functions([FunctionRequest(scene.water.speed, integrate=True, end=end, key="water.speed")])
+    return _flow_at(scene, np.linspace(0.0, scene.solver.end, count), order)
+
+
+def _flow_at(scene: HoseScene, times: np.ndarray, order: int) -> np.ndarray:
+    assert scene.water is not None
+    key = "water.speed"
+    functions = compile_functions([FunctionRequest(scene.water.speed, integrate=True, end=scene.solver.end, key=key)])
     # As in the run, which integrates the rate: a table of it is made of straight lines.
-    sampled = sample(functions, 0, np.linspace(0.0, end, count))[:, order]
+    sampled = sample(functions, 0, times)[:, order]
     return np.clip(np.nan_to_num(sampled), -FASTEST, FASTEST)
+
+
+def transit(scene: HoseScene) -> float:
+    """Time that a wave of stretch takes along hose and water, s; waves of pressure are not in the model."""
+    return sum(
+        piece.length * math.sqrt((piece.mass_per_length + (piece.water_mass_per_length or 0.0)) / piece.axial_stiffness)
+        for piece in scene.hose.pieces
+    )
+
+
+def largest_change(scene: HoseScene, within: float) -> float:
+    """By how much the speed of the flow in the first segment changes within so many seconds at most, m/s.
+
+    Where the samples of the run are farther apart than that, those are followed between which it changes most.
+    """
+    first, last = 0.0, scene.solver.end
+    if scene.water is None or not 0.0 < within < last:
+        return 0.0
+    while True:
+        times = np.linspace(first, last, SAMPLES)
+        flow, apart = _flow_at(scene, times, 1), times[1] - times[0]
+        if apart <= FINE * within:
+            break
+        steepest = times[int(np.argmax(np.abs(np.diff(flow))))]
+        # Samples a little more than that apart are closed in upon as those that are far apart are.
+        about = max(1.5 * apart, 2.0 * within)
+        first, last = max(first, steepest - about), min(last, steepest + apart + about)
+    count = max(1, round(within / apart))
+    return float(np.abs(flow[count:] - flow[:-count]).max(initial=0.0))
 
 
 def direction_of(scene: HoseScene) -> float:

@@ -15,6 +15,7 @@ from gardenhose.estimates import (
     Average,
     average,
     first_frequency,
+    largest_change,
     onset,
     pushes,
     radians,
@@ -22,6 +23,7 @@ from gardenhose.estimates import (
     rk4_limit,
     speeds,
     thrust,
+    transit,
 )
 from gardenhose.scene import MOST_ELEMENTS, HoseScene, Water
 from tautline.scene.errors import SceneWarning
@@ -36,6 +38,11 @@ MOST_PUSH = 0.5
 """Share of EA from which a push P |r'| squashes a hose of Green's strain to nothing: |r'|^2 = 1 - 2 P / EA."""
 SEEN_PUSH = 0.01
 """Share of the force that buckles a pipe up to which a push of water that gets faster is not told."""
+QUICK, CHANGED = 0.4, 0.1
+"""Part of the time of a wave along the hose, and share of the largest speed by which a flow that changes within it is
+told: a valve that closes evenly within four such times, as those in which a pressure wave comes back."""
+MANY_PUSHES = 10.0
+"""Times the force that buckles a held pipe from which a push of water that once gets faster or slower is told."""
 STEPS_PER_PERIOD = 10.0
 NEAR_ONSET = 0.9
 """Share of the estimated critical speed from which a hose is taken to flutter."""
@@ -66,7 +73,7 @@ def warnings(scene: HoseScene) -> list[SceneWarning]:
     # Statics and flutter look at speeds of their own: `momentum_at`, `mesh_at` and `aspiration_at` warn of these.
     of_a_run = (
         [*_steps(scene, hose), *_momentum(scene, speed), *_mesh(scene, speed)],
-        [*_held_column(scene, hose), *_rest(scene)],
+        [*_held_column(scene, hose), *_hammer(scene, hose, speed), *_rest(scene)],
     )
     before, behind = ([SceneWarning(*one, of_a_run=True) for one in found] for found in of_a_run)
     return [*before, *(SceneWarning(*one) for one in (*_stiff(scene), *_ends(scene, speed))), *behind]
@@ -302,6 +309,39 @@ def _held_column(scene: HoseScene, hose: Average) -> Sentences:
             "pipe swing that is quiet here. See docs/hose.md"
         )
         yield "water.speed", text
+
+
+def _hammer(scene: HoseScene, hose: Average, speed: np.ndarray) -> Sentences:
+    """Water that stops or starts so quickly that waves of pressure would run through it, or its pressure buckle it."""
+    fastest, time = float(np.abs(speed).max()), transit(scene)
+    if scene.water is None or fastest == 0.0:
+        return
+    if largest_change(scene, QUICK * time) >= CHANGED * fastest:
+        # Of a change that lasts longer, or in a run that is shorter, what it is in all.
+        whole = largest_change(scene, min(QUICK / CHANGED * time, 0.5 * scene.solver.end))
+        what = (
+            f"changes by {whole:.3g} m/s within {QUICK / CHANGED * time:.2g} s or less. A wave of stretch takes "
+            f"{time:.2g} s along this hose"
+        )
+    else:
+        support = SUPPORTS.get((scene.hose.root_support, scene.hose.end))
+        if support is None or support[2] is None or hose.bending == 0.0 or any(_held_column(scene, hose)):
+            return
+        quickest = float(np.abs(rates(scene)).max())
+        push = 0.5 * hose.water * quickest * hose.length
+        share = push / (hose.bending * (support[2] / hose.length) ** 2)
+        if share <= MANY_PUSHES:
+            return
+        what = (
+            f"changes at up to {quickest:.3g} m/s^2. To make that change, M dU/dt L/2 is {push:.3g} N, "
+            f"{significant(share, 2)} times the force that buckles the pipe"
+        )
+    text = (
+        f"{what}. In the model the water stops, or starts, everywhere at once. Pressure waves (water hammer) are not "
+        "in this model. Behind a valve that closes quickly the pressure rises by rho c dU (Joukowsky): density, speed "
+        "of pressure waves, change of the flow's speed. Give a slower change, or judge the pressure wave by other means"
+    )
+    yield "water.speed", text
 
 
 def _aspiration(water: Water, slowest: float) -> Sentences:

@@ -524,7 +524,7 @@ class Run:
             "factorisations": int(counters[FACTORISATIONS]),
             "halvings": int(counters[HALVINGS]),
             "restart_time": self.remembered,
-            "energy_error": abs(self.energy_gained()),
+            "energy_error": abs(self.energy_missing()),
             "numerical_dissipation": -self.balance.missing(int(counters[STEPS])),
             "motion_frequency": self.oscillation_frequency() / (2.0 * math.pi),
             "phase_lag": self.phase_lag(taken) if self._tells("phase_lag") else None,
@@ -569,12 +569,20 @@ class Run:
         return [*of_application, *judge(self.model.bounds, result, headline)]
 
     def energy_gained(self) -> float:
-        """Energy created numerically, over what went through the system; steady motion is left out of that."""
+        """Energy created numerically, over what went through the system; steady motion is left out of that.
+
+        What the method had set aside at the start is no fault of the run: it is judged without.
+        """
         ledger = self.state.ledger
         return self.balance.gained(float(ledger[THROUGHPUT]), self._set_aside(), float(ledger[MOTION]))
 
+    def energy_missing(self) -> float:
+        """The same with what the method had set aside at the start, as the energy that is told in J beside it."""
+        ledger = self.state.ledger
+        return self.balance.gained(float(ledger[THROUGHPUT]), motion=float(ledger[MOTION]))
+
     def energy_created(self) -> float:
-        """The same with steady motion counted."""
+        """What was gained with steady motion counted."""
         return self.balance.gained(float(self.state.ledger[THROUGHPUT]), self._set_aside())
 
     def _set_aside(self) -> float:

@@ -134,6 +134,37 @@ def test_a_changing_flow_between_held_ends_is_warned_of_where_the_pressure_would
         assert f"smaller by {push:.3g} N" in texts[0] and f"{100 * push / (4 * np.pi**2):.2g} %" in texts[0]
 
 
+def hammered(speed, end="free"):
+    return [one.text for one in warnings(tube(speed, end)) if "water hammer" in one.text]
+
+
+@pytest.mark.parametrize("late", [0.1, 0.10037])
+@pytest.mark.parametrize(("times", "told"), [(0.01, True), (3.8, True), (4.2, False), (50.0, False)])
+def test_a_flow_that_stops_within_four_times_of_a_wave_along_the_hose_is_warned_of_water_hammer(times, told, late):
+    """L sqrt((m + M) / EA) is 1 ms; a valve that shuts within a hundredth of that is between two samples of the run."""
+    shut = times * 1.0 * np.sqrt((0.5 + 0.5) / 1e6)
+    texts = hammered({"table": {"time": [0.0, late, late + shut, 1.0], "value": [3.0, 3.0, 0.0, 0.0]}})
+    assert len(texts) == told
+    if told:
+        assert "changes by 3 m/s within 0.004 s or less" in texts[0] and "takes 0.001 s along" in texts[0]
+
+
+def test_a_flow_that_hardly_changes_or_pulsates_slowly_is_not_warned_of_water_hammer():
+    assert not hammered(3.0)
+    assert not hammered({"table": {"time": [0.0, 0.1, 0.1001, 1.0], "value": [3.0, 3.0, 2.8, 2.8]}})
+    assert not hammered({"harmonic": {"amplitude": 2.0, "frequency": 2.0, "mean": 2.0}})
+
+
+@pytest.mark.parametrize(("share", "told"), [(9.0, False), (11.0, True)])
+def test_a_flow_that_stops_by_a_push_of_ten_times_what_buckles_a_held_pipe_is_warned_of(share, told):
+    """Clamped at both ends a pipe of EJ = 1, L = 1 buckles at 4 pi^2 N (Euler); M dU/dt L/2 with M = 0.5 pushes."""
+    rate = share * 4.0 * np.pi**2 / (0.5 * 0.5)
+    flow = {"table": {"time": [0.0, 0.1, 0.15, 1.0], "value": [0.05 * rate, 0.05 * rate, 0.0, 0.0]}}
+    texts = hammered(flow, "clamped")
+    assert len(texts) == told and all(f"{share:.0f} times the force that buckles" in text for text in texts)
+    assert not hammered(flow, "free")
+
+
 def test_a_limit_on_the_force_at_an_end_is_told_where_that_end_is():
     """The root of a hanging hose bears the most, its tip's end the least: 0 m and 1 m, of elements of 0.25 m."""
     bounds = [{"output": "end_force", "above": 1e-3}, {"output": "end_force", "below": 1e3}]

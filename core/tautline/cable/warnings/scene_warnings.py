@@ -17,7 +17,8 @@ import tautline.cable.warnings.drawn_out
 import tautline.cable.warnings.driven_material
 import tautline.cable.warnings.fast_material
 import tautline.cable.warnings.held_forces
-import tautline.cable.warnings.held_rates  # noqa: F401  (warns too)
+import tautline.cable.warnings.held_rates
+import tautline.cable.warnings.sudden_forces  # noqa: F401  (warns too)
 from tautline.cable.input.couplings import APART, coupling_gap, rates_at_start, value_of
 from tautline.cable.input.geometry import Drawn, arc_lengths, chord, drawn_of
 from tautline.cable.input.material import element_lengths, material_coordinates, nodes_key

@@ -319,7 +319,8 @@ def looked_at(
         onward = _onward(progress, number * float(result.time[-1]), spent)
         interval = float(model.solver.interval)
         if number == 0 and own * part < interval:
-            # Of 13 steps in a frame none can be stored but the last, of 12 every second one.
+            # Of 13 steps in a frame none can be stored but the last, of 12 every second one. A longer step than a frame
+            # stands in none, and leaves out frames of a run that keeps every step.
             part = interval / well_divided(round(interval / divided(interval, own * part))) / own
         first = number == 0 and judged_by is not None
         finer = frames_for_each(model, own, own * part, len(result.time)) if first else 1

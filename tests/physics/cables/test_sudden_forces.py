@@ -1,0 +1,120 @@
+"""A force along a rope that begins at once: d'Alembert's bar, and a bar whose damping is integrated by SciPy."""
+
+import numpy as np
+import pytest
+from physics.cables.rope_text import numbers
+from scipy.integrate import solve_ivp
+from scipy.sparse import bmat, diags, identity
+
+import tautline
+from tautline.cable.application import Cable
+from tautline.cable.input.scene import parse
+
+LENGTH, EA, DENSITY, FORCE = 10.0, 1e4, 1.0, 10.0
+TRANSIT = LENGTH * np.sqrt(DENSITY / EA)
+HELD, FREE = [1, 1, 1, 0, 1, 1, 1], [0, 1, 1, 0, 1, 1, 1]
+
+
+def bar(elements=20, damping=0.0, force=FORCE, more="", interval=None, stretch=0.0, gravity=0.0, along=0, **solver):
+    """Text of a bar along x that is held at its root and pulled at its tip."""
+    pull = [0.0, 0.0, 0.0]
+    pull[along] = force
+    items = "".join(
+        f"  - Node7Dof: {{id: {i}, xyz: [{LENGTH * (1.0 + stretch) * i / elements!r}, 0, 0], xyz_d: [{1.0 + stretch}, "
+        f"0, 0], p: {LENGTH * i / elements!r}, BC: {FREE if i else HELD}}}\n"
+        for i in range(elements + 1)
+    ) + "".join(
+        f"  - CableALEelement: {{id: {i}, nodes7: [{i}, {i + 1}], EA: {EA}, EJ: 0, rhoA: {DENSITY}, "
+        f"cDamp: {damping}}}\n"
+        for i in range(elements)
+    )
+    timed = "" if interval is None else f", timeInterval: {numbers(interval)}"
+    items += f"  - PointForce: {{id: 0, nodes7: [{elements}], force: {numbers(pull)}{timed}}}\n{more}"
+    settings = {"type": "G-alpha", "rho_inf": 0.8, "maxIter": 30, "eps_energy": 1e-10, "time_step": 1e-4}
+    settings |= {"time_end": 2.9 * TRANSIT, "plotpoints": 10000} | solver
+    written = ", ".join(f"{key}: {value}" for key, value in settings.items())
+    heading = f"CableModelMaterial: {{Gravity: [{gravity}, 0, 0]}}"
+    return f"{heading}\nCableModel:\n{items}GeneralizedAlpha: {{{written}}}\n"
+
+
+def told(**changes):
+    return [one for one in Cable().warnings(parse(bar(**changes))) if "at once" in one.text]
+
+
+def simulated(tmp_path, verify=False, **changes):
+    path = tmp_path / "bar.yaml"
+    path.write_text(bar(**changes), encoding="utf8")
+    return tautline.simulate(path, verify=verify)
+
+
+@pytest.mark.parametrize("elements", [20, 40])
+def test_a_force_that_begins_at_once_is_warned_of_where_the_root_does_not_bear_twice_of_it(elements, tmp_path):
+    """The front doubles at the root: 2 F until it has been at the tip and back again. Green's strain adds 0.1 %."""
+    most = float(simulated(tmp_path, elements=elements)["end_force"].max())
+    assert 1.15 * 2.0 * FORCE < most < 1.35 * 2.0 * FORCE
+    (one,) = told(elements=elements)
+    assert ".PointForce.force (line " in one.where and "too large by about 25 %" in one.text
+
+
+@pytest.mark.parametrize("elements", [20, 40])
+def test_the_damping_that_the_warning_names_leaves_the_root_twice_the_force_and_nothing_to_warn_of(elements, tmp_path):
+    cure = float(told(elements=elements)[0].text.partition("cDamp: ")[2].partition(",")[0])
+    most = float(simulated(tmp_path, elements=elements, damping=cure)["end_force"].max())
+    assert most == pytest.approx(2.0 * FORCE, rel=0.005)
+    assert not told(elements=elements, damping=cure)
+
+
+def test_only_a_force_that_sends_a_sharp_front_along_the_rope_is_warned_of():
+    """Small beside the weight, borne by the stretch as drawn, across, in equilibrium at the start, on a heavy body."""
+    assert not told(gravity=9.81 * 1.2) and told(gravity=5.0)
+    # EA (l^2 - 1) / 2 is the pull of Green's strain: the force itself, as drawn.
+    assert not told(stretch=FORCE / EA)
+    assert not told(along=1)
+    assert not told(start="static")
+    assert told(start="static", interval=[0.0, 0.1]) and told(start="static", interval=[0.1, 1.0])
+    assert not told(more="  - PointMass: {id: 1, nodes7: [20], mass: 0.3}\n")
+
+
+def pulled(damping, end, cells=400):
+    """Least and largest pull at the root of a Kelvin-Voigt bar of many cells, N, by SciPy's implicit method."""
+    dx = LENGTH / cells
+    middle, mass = np.full(cells, 2.0), np.full(cells, DENSITY * dx)
+    middle[-1], mass[-1] = 1.0, 0.5 * mass[-1]
+    aside = np.full(cells - 1, -1.0)
+    stiff = diags([aside, middle, aside], [-1, 0, 1]).tocsr() * EA / dx
+    push = np.zeros(cells)
+    push[-1] = FORCE
+    inverse = diags(1.0 / mass)
+    tangent = bmat([[None, identity(cells)], [-inverse @ stiff, -damping * inverse @ stiff]]).tocsc()
+
+    def rate(_, y):
+        u, v = y[:cells], y[cells:]
+        return np.r_[v, (push - stiff @ (u + damping * v)) / mass]
+
+    found = solve_ivp(rate, (0.0, end), np.zeros(2 * cells), method="BDF", jac=tangent, rtol=1e-6, atol=1e-10)
+    assert found.success
+    pull = EA / dx * (found.y[0] + damping * found.y[cells])
+    return float(pull.min()), float(pull.max())
+
+
+@pytest.mark.parametrize("damping", [5e-4, 2e-2])
+@pytest.mark.parametrize("step", [1e-3, 5e-3, 1e-2])
+def test_the_force_at_the_root_is_not_much_farther_off_than_is_stated(damping, step, tmp_path):
+    """What is stated is the error of the amplitude, half of the way from the least to the largest force."""
+    run = simulated(tmp_path, verify=True, damping=damping, time_step=step, plotpoints=round(1.0 / step))
+    force = run["end_force"][:, 0, 0]
+    least, most = pulled(damping, float(run.time[-1]))
+    off = 0.5 * abs(float(np.ptp(force)) - (most - least))
+    stated = run.step_error["force"] * 0.5 * float(np.ptp(force))
+    assert off < 1.5 * stated + 0.002 * most
+
+
+@pytest.mark.parametrize("verify", [None, True])
+def test_a_run_that_keeps_every_step_states_the_error_of_its_force(verify, tmp_path):
+    """Its longer steps stand in no frame: the other runs keep fewer frames, and are compared in those."""
+    path = tmp_path / "bar.yaml"
+    path.write_text(bar(damping=5e-4, time_step=1e-3, plotpoints=1000), encoding="utf8")
+    run = tautline.simulate(path, verify=verify)
+    force = run["end_force"][:, 0, 0]
+    assert abs(force.max() - 2.0 * FORCE) < run.step_error["force"] * float(np.ptp(force)) + 0.002 * FORCE
+    assert run.step_error["steps"] != (1e-3,) and 1e-3 not in run.step_error["steps"]
