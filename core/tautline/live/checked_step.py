@@ -94,7 +94,7 @@ class CheckedStep:
         return SimulationError(
             f"cannot advance from {begin:.6g} s to {end:.6g} s: that is divided into steps of up to {step:.6g} s, and "
             f"the critical step of {method} is {found:.4g} s ({name})",
-            f"advance by {rounded(found, 3):g} s at most, give a smaller solver.step, or take the method "
+            f"advance by {rounded(found, 3, within=0.0):g} s at most, give a smaller solver.step, or take the method "
             "generalized-alpha",
         )
 
