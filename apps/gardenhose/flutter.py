@@ -19,7 +19,6 @@ import numpy as np
 from scipy.optimize import brentq
 
 from gardenhose.estimates import direction_of, fine_up_to, near_onset
-from gardenhose.estimates import speeds as speeds_of
 from gardenhose.scene import HoseScene
 from gardenhose.stability import Critical, Curves, Stability, Way, Window
 from gardenhose.static import form

@@ -83,3 +83,11 @@ def test_an_unstable_relaxed_start_is_told_after_it_was_stored():
     again = Start.of_attribute(found.attribute | {"of a later version": 1})
     assert again == found and len(again.warnings) == 1 and "relaxed start is unstable" in again.warnings[0]
     assert Start().attribute == {} and Start.of_attribute(None) == Start() and Start().warnings == []
+
+
+def test_a_start_that_was_pushed_nowhere_has_no_arbitrary_side_and_a_push_of_an_older_record_has(read):
+    still = tautline.simulate(read(sagging())).attributes["start"]
+    assert (still["pushed"], still["side"]) == (False, "drawn") and Start("static").side == "drawn"
+    older = {"found": "static", "stable": True, "pushed": True}
+    assert any("The side is arbitrary" in told for told in Start.of_attribute(older).warnings)
+    assert Start.of_attribute(older | {"pushed": False}).side == "drawn"
