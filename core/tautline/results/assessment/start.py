@@ -91,8 +91,8 @@ class Start:
             )
         elif self.pushed and self.side == "arbitrary":
             told.append(
-                "the initial geometry is an unstable equilibrium, as of a column that carries more than Euler's load. "
-                "It was perturbed, and came to rest from there. The side is arbitrary. "
+                "the initial geometry is or leads to an unstable equilibrium, as of a column that carries more than "
+                "Euler's load. It was perturbed, and came to rest from there. The side is arbitrary. "
                 f"{self.aside or DRAWN_ASIDE}"
             )
         elif self.pushed and self.side == "on the way":
