@@ -22,6 +22,7 @@ from tautline.integrators.state import State, new_state
 from tautline.integrators.statics.attainable import within_rounding
 from tautline.integrators.statics.equilibrium import find_equilibrium
 from tautline.integrators.statics.stability import Rest, find_stable_equilibrium
+from tautline.kernels.time_function import TimeFunctions, value_at
 from tautline.scene.solver import error_of_steps, unused_alphas
 from tautline.system.handles import Handles, inputs_of, outputs_of, prepared_of, same_as
 from tautline.system.model import Model
@@ -42,8 +43,8 @@ STEP_ERROR = 1.0e-5
 """Error of a step over the hose's length, where the step is chosen and the scene gives none."""
 
 
-def build(scene: HoseScene) -> Model:
-    """Compile a scene.
+def build(scene: HoseScene, functions: TimeFunctions | None = None) -> Model:
+    """Compile a scene; ``functions`` are its own, in which the water may be held at another speed.
 
     Returns
     -------
@@ -54,8 +55,10 @@ def build(scene: HoseScene) -> Model:
     SceneError
         Where what holds the hose says a thing twice.
     """
-    made = assembled(scene)
+    made = assembled(scene, functions=functions)
     found = streams(scene)
+    # Read now: a run writes into the functions.
+    at_first = -value_at(made.layout.functions, 0, 0.0)[1] if found else 0.0
     observer = Observer(scene, made, place_of_flow(made.layout, found[0], 0) if found else None)
     solver, length = scene.solver, scene.hose.total_length
     error = error_of_steps(solver, STEP_ERROR * length)
@@ -63,7 +66,7 @@ def build(scene: HoseScene) -> Model:
     if solver.step == "auto" and error > 0.0:
         notes.append(f"step: auto keeps the error of a step below {error:.2g} m")
     # Results of a simulation that is stepped ask once more, each time one is read.
-    of_the_start = cache(lambda: _of_the_start(scene))
+    of_the_start = cache(lambda: _of_the_start(scene, at_first))
     model = Model(
         system=made.system,
         solver=settings_of(
@@ -90,6 +93,7 @@ def build(scene: HoseScene) -> Model:
         aside=_aside(scene),
         handles=lambda: _handles(made, model),
         cause=lambda state, status: stiff_along(made.system, state, status),
+        anew=lambda held: build(scene, held),
     )  # fmt: skip
     return with_limits(within_rounding(model), scene)
 
@@ -104,14 +108,17 @@ def _aside(scene: HoseScene) -> str:
     )
 
 
-def _of_the_start(scene: HoseScene) -> list[str]:
-    """Sentences on the shape at rest that a run starts from, where its pivots tell nothing: water leaves a free end."""
+def _of_the_start(scene: HoseScene, speed: float) -> list[str]:
+    """Sentences on the shape at rest that a run starts from, where its pivots tell nothing: water leaves a free end.
+
+    ``speed``, m/s, is that of the water then.
+    """
     if scene.start != "static" or scene.hose.end != "free" or scene.water is None:
         return []
     # Eigenvalues need scipy, which only a run of such a hose loads.
     from gardenhose.flutter import on_the_start
 
-    return on_the_start(scene)
+    return on_the_start(scene, speed)
 
 
 def _handles(made: Assembly, model: Model) -> Handles:
@@ -143,7 +150,7 @@ def begin_at_rest(scene: HoseScene, made: Assembly, state: State) -> Rest:
     StoppedEarly
         NO_EQUILIBRIUM, where none was found at all.
     """
-    alike = assembled(tied(scene))
+    alike = assembled(tied(scene), functions=made.layout.functions)
     there = new_state(alike.system)
     judged = find_stable_equilibrium(alike.system, there, step_limit(scene))
     full, of_hose = made.system.q.copy(), {i: i for i in range(1, len(arc_lengths(scene)) + 1)}

@@ -23,6 +23,7 @@ from tautline.cable.model.build import Assembly, assemble_cables
 from tautline.cable.model.layout import Layout
 from tautline.cable.model.magnitudes import outweighs, too_stiff
 from tautline.elements.nodal.jet import JET, Jets
+from tautline.kernels.time_function import TimeFunctions
 from tautline.scene.reading.document import Document
 from tautline.system.records import records_of
 
@@ -216,10 +217,13 @@ def step_limit(scene: HoseScene) -> float:
     return 0.5 * float(np.diff(arc_lengths(scene)).min())
 
 
-def assembled(scene: HoseScene, fused: bool = True) -> Assembly:
-    """The equations of a scene, with the velocity that it begins with; see `cables_of`."""
+def assembled(scene: HoseScene, fused: bool = True, functions: TimeFunctions | None = None) -> Assembly:
+    """The equations of a scene, with the velocity that it begins with; see `cables_of`.
+
+    ``functions`` are those of the scene, in which the water may be held at another speed.
+    """
     cables = cables_of(scene, fused)
-    made = assemble_cables(cables, lambda layout: _jets(scene, layout))
+    made = assemble_cables(cables, lambda layout: _jets(scene, layout), functions)
     made.system.hidden = outweighs(cables) and outweighs(cables, _thrust(scene))
     made.system.softer = stiff_beside_all(scene, cables)
     _disturb(scene, made)

@@ -19,7 +19,6 @@ import numpy as np
 from scipy.optimize import brentq
 
 from gardenhose.estimates import direction_of, fine_up_to, near_onset
-from gardenhose.estimates import speeds as speeds_of
 from gardenhose.scene import HoseScene
 from gardenhose.stability import Critical, Curves, Stability, Way, Window
 from gardenhose.static import form
@@ -170,12 +169,13 @@ def falls_from(scene: HoseScene, speed: float) -> float:
     return float(grows.real.max(initial=0.0))
 
 
-def on_the_start(scene: HoseScene) -> list[str]:
+def on_the_start(scene: HoseScene, speed: float) -> list[str]:
     """Sentences on the shape at rest that a run starts from, where the least push moves the hose away for good.
+
+    The water flows at a speed, m/s.
 
     A hose that flutters about its shape is none of these: that is the motion which a run shows.
     """
-    speed = float(speeds_of(scene, 1)[0])
     rate = _rate(scene, speed)
     if not rate:
         return []

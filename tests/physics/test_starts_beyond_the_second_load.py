@@ -39,14 +39,16 @@ def sag(too_much):
     return 2.0 / np.pi * np.sqrt(too_much / EA)
 
 
-def pressed(load, n, aside=0.0, axial=EA, bending=1.0, start="static"):
+def pressed(load, n, aside=0.0, axial=EA, bending=1.0, start="static", waves=1):
     """A bar of n elements between pins, pressed by a load, N: longer than its span by P / EA. It is straight, or drawn
-    aside in y by half a wave, m."""
+    aside in y by half a wave, or several, m."""
     length = 1.0 / (1.0 - load / axial)
     items = ""
     for i in range(n + 1):
         held = [1, 1, 1, 0, 0, 0, 1] if i in (0, n) else [0, 0, 0, 0, 0, 0, 1]
-        place = f"xyz: [{i / n!r}, {float(aside * np.sin(np.pi * i / n))!r}, 0], xyz_d: [{1.0 / length!r}, 0, 0]"
+        place = (
+            f"xyz: [{i / n!r}, {float(aside * np.sin(waves * np.pi * i / n))!r}, 0], xyz_d: [{1.0 / length!r}, 0, 0]"
+        )
         items += f"  - Node7Dof: {{id: {i}, {place}, BC: {held}, p: {i * length / n!r}}}\n"
     for i in range(n):
         of = f"nodes7: [{i}, {i + 1}], EA: {axial!r}, EJ: {bending!r}, rhoA: 1, strain: engineering"
@@ -153,9 +155,62 @@ def test_a_straight_pressed_bar_is_told_alike_that_its_side_is_arbitrary_however
     result = simulate(pressed(100.0, 16, start=start))
     assert (result.attributes["start"]["pushed"], result.attributes["start"]["side"]) == (True, "arbitrary")
     assert result.warnings == [
-        "the initial geometry is an unstable equilibrium, as of a column that carries more than Euler's load. It was "
-        "perturbed, and came to rest from there. The side is arbitrary. Draw it a little to the side that is meant"
+        "the initial geometry is or leads to an unstable equilibrium, as of a column that carries more than Euler's "
+        "load. It was perturbed, and came to rest from there. The side is arbitrary. Draw it a little to the side "
+        "that is meant"
     ]
+
+
+def two_bars(load, n, first, second, start):
+    """Two pressed bars beside one another, each drawn aside in y by half a wave, m."""
+    length, items = 1.0 / (1.0 - load / EA), ""
+    for b, aside in ((0, first), (1, second)):
+        for i in range(n + 1):
+            held = [1, 1, 1, 0, 0, 0, 1] if i in (0, n) else [0, 0, 0, 0, 0, 0, 1]
+            y = 3.0 * b + float(aside * np.sin(np.pi * i / n))
+            place = f"xyz: [{i / n!r}, {y!r}, 0], xyz_d: [{1.0 / length!r}, 0, 0]"
+            items += f"  - Node7Dof: {{id: {100 * b + i}, {place}, BC: {held}, p: {i * length / n!r}}}\n"
+        for i in range(n):
+            of = f"nodes7: [{100 * b + i}, {100 * b + i + 1}], EA: {EA!r}, EJ: 1, rhoA: 1, strain: engineering"
+            items += f"  - CableALEelement: {{id: {100 * b + i}, {of}}}\n"
+    return model_of(items, (0.0, 0.0, 0.0), start=start, rho_inf=0.8)
+
+
+@pytest.mark.parametrize("start", ["static", "relaxed"])
+@pytest.mark.parametrize(("first", "second"), [(1e-3, 0.0), (0.0, -1e-3)])
+def test_of_two_pressed_bars_the_side_of_one_is_told_to_be_arbitrary_where_only_the_other_is_drawn_aside(
+    first, second, start
+):
+    result = simulate(two_bars(60.0, 12, first, second, start))
+    place = np.asarray(result["position"][0])
+    middle = place[[6, 19], 1:] - [[0.0, 0.0], [3.0, 0.0]]
+    drawn = int(second != 0.0)
+    assert middle[drawn] == pytest.approx([np.sign(first + second) * sag(60.0 - FIRST), 0.0], rel=5e-3, abs=1e-6)
+    assert np.hypot(*middle[1 - drawn]) == pytest.approx(sag(60.0 - FIRST), rel=5e-3)
+    assert result.attributes["start"]["side"] == "arbitrary"
+    assert [told for told in result.warnings if "The side is arbitrary. Draw it" in told]
+
+
+@pytest.mark.parametrize("side", [1, -1])
+def test_two_pressed_bars_that_are_both_drawn_aside_are_told_nothing(side):
+    result = simulate(two_bars(60.0, 12, 1e-3, side * 2e-3, "static"))
+    place = np.asarray(result["position"][0])
+    assert place[[6, 19], 1] - [0.0, 3.0] == pytest.approx(np.array([1, side]) * sag(60.0 - FIRST), rel=5e-3)
+    assert not result.warnings
+
+
+@pytest.mark.parametrize("side", [1, -1])
+def test_a_bar_that_is_drawn_in_its_second_mode_is_told_that_the_side_of_its_first_is_arbitrary(side):
+    """It is as much on one side as on the other."""
+    result = simulate(pressed(60.0, 16, side * 1e-3, waves=2))
+    assert np.hypot(*np.asarray(result["position"])[0, 8, 1:]) == pytest.approx(sag(60.0 - FIRST), rel=5e-3)
+    assert result.attributes["start"]["side"] == "arbitrary"
+
+
+def test_a_hose_that_stood_against_gravity_on_its_way_hangs_below_whichever_side_it_fell_to():
+    across = ("gravity: 0", "gravity: [0, 0.00981, 0]")
+    start = simulate(build(hose(gravity=across, start=("start: static", "start: relaxed")))).attributes["start"]
+    assert (start["pushed"], start["side"]) == (True, "on the way")
 
 
 @pytest.mark.parametrize("coupling", ["linear", "lagrange"])

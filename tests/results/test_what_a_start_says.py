@@ -1,5 +1,7 @@
 """What a run says of its start is the same wherever its scene lies, and in what goes on from it or is a copy of it."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from physics.cables.rope_text import PINNED, chain, scene
@@ -8,6 +10,7 @@ import tautline
 from tautline.results.assessment.start import Start, size_of, static_start
 from tautline.results.result import Result
 
+DATA = Path(__file__).parents[2] / "data"
 SPAN, LENGTH = 80.0, 120.0
 
 
@@ -83,3 +86,11 @@ def test_an_unstable_relaxed_start_is_told_after_it_was_stored():
     again = Start.of_attribute(found.attribute | {"of a later version": 1})
     assert again == found and len(again.warnings) == 1 and "relaxed start is unstable" in again.warnings[0]
     assert Start().attribute == {} and Start.of_attribute(None) == Start() and Start().warnings == []
+
+
+def test_a_start_that_was_pushed_nowhere_has_no_arbitrary_side_and_a_push_of_an_older_record_has():
+    still = tautline.simulate(tautline.read(DATA / "hanging.yaml").replace({"solver.end": 0.1})).attributes["start"]
+    assert (still["pushed"], still["side"]) == (False, "drawn") and Start().side == "drawn"
+    older = {"found": "static", "stable": True, "pushed": True}
+    assert any("The side is arbitrary" in told for told in Start.of_attribute(older).warnings)
+    assert Start.of_attribute(older | {"pushed": False}).side == "drawn"

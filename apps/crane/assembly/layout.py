@@ -199,15 +199,15 @@ def orientation_of(scene: CraneScene, body: Body) -> np.ndarray:
     return turned_least(drawn, rotation_of(drawn) @ ends[0], -up if rises(scene, body) else up)
 
 
-def lay_out(scene: CraneScene) -> Layout:
-    """Lay a scene out.
+def lay_out(scene: CraneScene, functions: TimeFunctions | None = None) -> Layout:
+    """Lay a scene out, where its frames are at t = 0; ``functions`` are its own where some are held at other values.
 
     Raises
     ------
     SceneError
         Where no rope can take the path, and for faults of the files of a vessel's motion.
     """
-    motion = motion_of(scene)
+    motion = motion_of(scene) if functions is None else motion_of(scene).held(functions)
     laid, wheels = scene.once("layout", _geometry(scene, motion), lambda: _laid_out(scene, motion))
     _refuse_load_above(scene, wheels)
     _refuse_short(scene, laid.path)

@@ -7,7 +7,7 @@ most of the time before a long run.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -17,7 +17,7 @@ from crane.sea.compensation import Compensation, compensate, lift_of, unlimited
 from crane.sea.frames import GROUND, Frame, requests_of
 from crane.sea.vessel import frames_of
 from tautline.kernels.moving_frame import ENTRIES
-from tautline.kernels.time_function import sample_all
+from tautline.kernels.time_function import TimeFunctions, sample_all
 from tautline.scene.errors import SceneError
 from tautline.scene.functions import Constant
 from tautline.scene.reading.files import stamps
@@ -43,6 +43,16 @@ class FrameMotion:
     places: dict[str, int]
     requests: list[FunctionRequest]
     entries: np.ndarray
+
+    def held(self, functions: TimeFunctions) -> FrameMotion:
+        """The same with the numbers at t = 0 that a scene's functions give, of which some are held at other values.
+
+        What moves a frame comes first among the functions of a scene.
+        """
+        moved = [n for n, request in enumerate(self.requests) if not isinstance(request.model, Constant)]
+        entries = self.entries.copy()
+        entries.ravel()[moved] = sample_all(functions, range(len(moved)), np.zeros(1))[:, 0, 0]
+        return replace(self, entries=entries)
 
 
 def _of_frames(scene: CraneScene) -> tuple[Any, ...]:

@@ -54,8 +54,8 @@ TOLERANCE = 1.0e-8
 """Largest residual, as a share of the rope's tension, that counts as solved."""
 
 
-def build(scene: CraneScene) -> Model:
-    """Compile a scene.
+def build(scene: CraneScene, functions: TimeFunctions | None = None) -> Model:
+    """Compile a scene; ``functions`` are its own where some are held at other values, as frames of a start are.
 
     Returns
     -------
@@ -67,7 +67,7 @@ def build(scene: CraneScene) -> Model:
         For a path that no rope can take, faults of files, and more rope than a drum holds.
     """
     check_drums(scene)
-    made = assembled(scene)
+    made = assembled(scene, functions)
     layout, system, notes = made.layout, made.system, [*made.notes, *unused_alphas(scene.solver)]
     observer = Observer(layout, system.groups, made.compensation)
 
@@ -110,6 +110,7 @@ def build(scene: CraneScene) -> Model:
         cause=lambda state, status: (
             two_blocking(layout, system, state, status) or wound_up(layout, system, state, status)
         ),
+        anew=lambda held: build(scene, held),
         statistics={
             "watched": ("tension",), "fatigue": ("tension",), "needs": ("tension",), "rules": JOINED,
             "names": OF_PIECES,
@@ -137,17 +138,18 @@ class Assembly:
         self.layout, self.system, self.compensation, self.notes = layout, system, compensation, notes
 
 
-def assembled(scene: CraneScene) -> Assembly:
+def assembled(scene: CraneScene, functions: TimeFunctions | None = None) -> Assembly:
     """Lay a scene out and write its equations; see `build`."""
-    layout = lay_out(scene)
+    layout = lay_out(scene, functions)
     tension = _tension(scene)
     _tie_material(layout, tension)
     compensation = _drive(layout)
     made, contacts = groups_of(layout)
     requests = tuple(layout.requests.of)
-    made_once, at_first = scene.once("functions", requests, lambda: _compiled(requests))
-    # A run writes into them, so that each has its own.
-    functions = copy_of(made_once)
+    if functions is None:
+        # A run writes into them, so that each has its own.
+        functions = copy_of(scene.once("functions", requests, lambda: compile_functions(requests)))
+    at_first = sample_all(functions, range(len(requests)), np.zeros(1))[:, 0, 0]
     groups = tuple(make(functions) for make in made)
     layout.degrees.scale[:] = max(tension, 1.0e-6 * scene.rope.axial_stiffness)
     velocity = np.zeros(len(layout.degrees.names))
@@ -164,12 +166,6 @@ def assembled(scene: CraneScene) -> Assembly:
     system.q[system.dofs.held[driven]] = system.dofs.offset[driven] + at_first[system.dofs.motion[driven]]
     # What is wrong with the path is among the scene's warnings, and is not said twice.
     return Assembly(layout, system, compensation, [])
-
-
-def _compiled(requests: tuple[FunctionRequest, ...]) -> tuple[TimeFunctions, np.ndarray]:
-    """Functions of time, and their values (n,) at t = 0."""
-    functions = compile_functions(requests)
-    return functions, sample_all(functions, range(len(requests)), np.zeros(1))[:, 0, 0]
 
 
 def _tension(scene: CraneScene) -> float:

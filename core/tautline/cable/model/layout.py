@@ -80,7 +80,9 @@ class Layout:
         scale = np.append(scale, np.full(len(streams), force))
         self.degrees = Degrees(names, value, scale)
         self.velocity = np.zeros(value.size)
-        self.requests = [request_of(motion, scene.solver.end) for motion in scene.motions]
+        feeds = {node.functions[-1] for node in scene.nodes} | set(streams)
+        as_given = scene.solver.start == "as given"
+        self.requests = [request_of(m, scene.solver.end, as_given or m.id in feeds) for m in scene.motions]
         self.functions = compile_functions(self.requests) if functions is None else functions
         self._follow()
         for coupling in scene.couplings:
@@ -186,8 +188,12 @@ class Layout:
             self.initial[place] = self.degrees.value[place]
 
 
-def request_of(motion: Any, end: float) -> FunctionRequest:
-    """The function of time of a motion, good up to a time, s: its value, or what it has moved since the start."""
+def request_of(motion: Any, end: float, from_zero: bool = False) -> FunctionRequest:
+    """The function of time of a motion, good up to a time, s: its value, or what it has moved since the start.
+
+    ``from_zero`` is whether the start can have moved by nothing: nothing brings to rest what does not follow it, or p
+    follows it, and the p of other nodes stay as they are drawn.
+    """
     name = f"function {motion.id}"
     its_rate = Steering(f"{name}.rate", "m/s", "its rate", 1)
     if motion.function is not None:
@@ -198,6 +204,5 @@ def request_of(motion: Any, end: float) -> FunctionRequest:
         speed = (Steering(key, "m/s", "its speed", 1, motion.factor),)
         return FunctionRequest(motion.rate, integrate=True, end=end, key=key, factor=motion.factor, inputs=speed)
     rate = Table(time=motion.times, value=motion.velocities, interpolation="linear")
-    # Only what follows it would be elsewhere at the start, and the rope stay as it is drawn.
-    place = Steering(name, "m", f"what follows {name}, since the start", zero_at_start=True), its_rate
+    place = Steering(name, "m", f"what follows {name}, since the start", zero_at_start=from_zero), its_rate
     return FunctionRequest(rate, integrate=True, end=end, key=name, inputs=place)

@@ -220,7 +220,7 @@ def relax_to_stable(system: System, state: State, method: Any, step: float, step
         relax(system, state, method, step, own)
         found = _judged(system, state, step_limit, drawn)
     memory = remember((), system.groups, ())
-    side = side_of(system, state, path, drawn) if path else DRAWN
+    side = side_of(system, state, path) if path else DRAWN
     recall(memory, (), system.groups, ())
     return Rest(found, len(path), side)
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -56,8 +56,8 @@ FURTHER = 4
 """Searches from all saddles but the first, together, that may lead nowhere: each may be as long as there is patience
 for."""
 DRAWN, ON_THE_WAY, ARBITRARY = SIDES = ("drawn", "on the way", "arbitrary")
-"""What decided the side to which a scene was pushed out of unstable balance: where it was drawn; what led it, on its
-way, to a balance that was not its drawing; or nothing."""
+"""What decided the side to which a scene was pushed out of unstable balance: where it was drawn; what it came to from
+any side alike; or nothing."""
 
 
 class Stability(NamedTuple):
@@ -154,7 +154,7 @@ def _downhill(system: System, state: State, step_limit: float, unstable: Stabili
         if search_from(system, state, step_limit, way.shift) and _keeps_side(system, state, *path[-1]):
             judged = count_negative(system, state, drawn)
             if judged.negative == 0:
-                return Rest(judged, len(path), side_of(system, state, path, drawn))
+                return Rest(judged, len(path), side_of(system, state, path))
             # Where the tangent proves nothing, as where a load follows the shape, it shows no way down.
             if 0 < judged.negative < least:
                 least = judged.negative
@@ -165,20 +165,22 @@ def _downhill(system: System, state: State, step_limit: float, unstable: Stabili
     return None
 
 
-def side_of(system: System, state: State, path: list[tuple[np.ndarray, Stability]], drawn: np.ndarray) -> str:
-    """What decided the side to which unstable equilibria were left: one of `SIDES`. The state is left as it is.
+def side_of(system: System, state: State, path: Sequence[tuple[np.ndarray, Stability]]) -> str:
+    """What decided the side to which unstable equilibria were left, for the rest of the state: one of `SIDES`.
 
-    Where what gains leads no way towards the drawing (n,), the drawing is either that balance, or has come to it along
-    what gains in the drawing itself, to a side. ``path`` holds the unknowns (n,) of each, and how it was judged.
+    ``path`` holds the unknowns (n,) of each, and how it was judged. One that was not left towards the drawing was left
+    to any side of what gains there. That side is arbitrary where the rest lies to one, as of a bar that is bent to it.
+    It is not where both sides lead to one rest: a bow that stands falls to any side, and hangs below. The state is left
+    as it is.
     """
-    here, side = state.q.copy(), DRAWN
+    rest, side = state.q.copy(), DRAWN
     for there, judged in path:
         if judged.meant:
             continue
-        state.q[:] = drawn
-        led = count_negative(system, state, there).meant
-        side = max(side, ON_THE_WAY if led else ARBITRARY, key=SIDES.index)
-    state.q[:] = here
+        state.q[:] = there
+        aside = count_negative(system, state, rest).meant
+        side = max(side, ARBITRARY if aside else ON_THE_WAY, key=SIDES.index)
+    state.q[:] = rest
     # All that goes with the unknowns is again that of where the state is left.
     evaluate(system, state, 0.0, 1.0, True, 0.0, 0.0, 1.0, system.spare_factors().matrix, np.zeros(system.size))
     return side

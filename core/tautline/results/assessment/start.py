@@ -41,7 +41,8 @@ class Start:
         Whether the scene was in an unstable equilibrium, and was perturbed.
     side : str
         What decided the side to which it was pushed: ``drawn``, ``on the way`` or ``arbitrary``, as in
-        `tautline.integrators.statics.stability.Rest`. Records that hold none are of scenes drawn in that equilibrium.
+        `tautline.integrators.statics.stability.Rest`. Records of a push that hold none are of scenes drawn in that
+        equilibrium, whose side is arbitrary.
     aside : str
         Sentence on how to choose the side to which it is pushed, where that is not by drawing it there.
     at_rest : mapping
@@ -56,7 +57,7 @@ class Start:
     moved_most: str | None = None
     far: bool = False
     pushed: bool = False
-    side: str = "arbitrary"
+    side: str = "drawn"
     aside: str = ""
     at_rest: Mapping[str, Any] = field(default_factory=dict)
 
@@ -65,7 +66,8 @@ class Start:
         """What a result holds of it; a file holds it as JSON."""
         known = {one.name for one in fields(cls)}
         held: Mapping[str, Any] = (json.loads(stored) if isinstance(stored, str) else stored) or {}
-        return cls(**{name: value for name, value in held.items() if name in known})
+        older = {"side": "arbitrary"} if held.get("pushed") else {}
+        return cls(**{name: value for name, value in {**older, **held}.items() if name in known})
 
     @property
     def attribute(self) -> dict[str, Any]:
@@ -89,8 +91,8 @@ class Start:
             )
         elif self.pushed and self.side == "arbitrary":
             told.append(
-                "the initial geometry is an unstable equilibrium, as of a column that carries more than Euler's load. "
-                "It was perturbed, and came to rest from there. The side is arbitrary. "
+                "the initial geometry is or leads to an unstable equilibrium, as of a column that carries more than "
+                "Euler's load. It was perturbed, and came to rest from there. The side is arbitrary. "
                 f"{self.aside or DRAWN_ASIDE}"
             )
         elif self.pushed and self.side == "on the way":
