@@ -105,3 +105,28 @@ def test_an_input_that_comes_now_and_then_has_no_pause_and_a_first_stamp_from_th
     for time in (1e6, 0.0, 0.2, 0.4, 0.6):
         other.take(time, np.zeros(1))
     assert other.of(0) == pytest.approx(0.2)
+
+
+def test_an_input_that_has_stopped_is_not_waited_for_and_is_lost_as_soon_as_without_it():
+    twin = Twin(HOIST, MAP)
+    every, seen = 20, []
+    for k, (stamp, readings) in enumerate(finer_rows()):
+        if stamp > 12.0:
+            break
+        shown = k % every == 0 and stamp < 3.1
+        for line in twin.add(stamp, readings if shown else readings | {"winch_pos": math.nan}):
+            seen.append((stamp, stamp - line["time"]))
+    assert max(behind for stamp, behind in seen if 7.5 < stamp) == pytest.approx(3 * INTERVAL, abs=1e-6)
+
+
+def test_an_input_that_comes_again_is_waited_for_again():
+    spacing = Spacing(1)
+    spacing.inputs = [0]
+    for k in range(5):
+        spacing.take(0.2 * k, np.array([1.0]))
+    assert spacing.waited(0.02) == pytest.approx(0.6)
+    for k in range(100):
+        spacing.take(0.8 + 0.02 * k, np.array([np.nan]))
+    assert spacing.has_stopped(0) and spacing.waited(0.02) == 0.0
+    spacing.take(3.0, np.array([1.0]))
+    assert not spacing.has_stopped(0) and spacing.waited(0.02) == pytest.approx(0.6)

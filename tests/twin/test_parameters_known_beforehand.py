@@ -160,3 +160,16 @@ def test_a_value_and_its_bound_are_told_with_as_many_digits_as_it_takes_to_see_w
     )
     assert float(told[:-2]) < float(limit[:-2])
     assert bound_said(61.23, 60.0, -np.inf, tell) == "61.23 m, above 60 m"
+
+
+def test_an_estimate_that_readings_contradict_is_a_guess_until_they_do_so_no_more_for_a_window():
+    one, released, known = horizon(0.02, start=1.0), [], []
+    for t in np.arange(0.0, 5.0, 0.1):
+        # The thing is twice what the map says.
+        one.add(Sample(t, np.full(1, 2.0), one.mean.copy(), np.ones((1, 1)), np.array([True])))
+        one.theta0 = one.mean.copy()
+        if np.isfinite(one.released) and one.released not in released:
+            released.append(float(one.released))
+        if one.found:
+            known.append((float(t), float(one.mean[0])))
+    assert released and all(t - max([0.0, *(r for r in released if r <= t)]) > 0.85 for t, _ in known)

@@ -245,7 +245,7 @@ class Readings:
             every, column = rows.spacing.of(i), self.channels[i].column
             # Each row has a reading where inputs come as often as rows.
             often = every <= OFTEN * rows.interval
-            if often or not (np.isfinite(rows.interval) and np.isfinite(rows.patience)):
+            if often or rows.spacing.has_stopped(i) or not np.isfinite([rows.interval, rows.patience]).all():
                 continue
             too_soon = rows.patience < every - ONE_STAMP
             if too_soon:
@@ -260,7 +260,8 @@ class Readings:
             if too_soon:
                 text = f"rows are answered after {rows.patience:.2g} s, before its next reading is there. {cure}"
             else:
-                text = f"so rows are answered after {rows.patience:.2g} s. Write `delay` in the map for another time"
+                after = f"rows are answered after {rows.patience:.2g} s while it comes"
+                text = f"{after}. Write `delay` in the map for another time"
             self._remarks.append(f"{column} comes every {every:.2g} s: {text}")
 
     def _look_for_steps(self, track: InputTrack, times: np.ndarray, values: np.ndarray) -> None:

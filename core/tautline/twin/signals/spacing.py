@@ -22,6 +22,8 @@ RARER = 2.5
 """Sample intervals between readings of an input from which on rows wait for it: others lose some of theirs."""
 STEPS, FEWEST, ALIKE = 5, 3, 1.5
 """Last pauses of which the median is that of an input; and how many tell it, no more than so many times off it."""
+STOPPED = 3.5
+"""Pauses of an input after which its next reading is not awaited: half a pause more than rows wait for it."""
 MOST_WAITED = 3.0
 """Longest that rows wait for an input where no delay is given, s: an alarm comes later by that."""
 
@@ -29,7 +31,7 @@ MOST_WAITED = 3.0
 class Spacing:
     """Follows how far apart readings of each column come, by their stamps.
 
-    What stops coming has the pause that it had: rows wait no longer for it than for one that comes.
+    What has not come for several of its pauses is not waited for until it comes again.
 
     Parameters
     ----------
@@ -46,11 +48,12 @@ class Spacing:
 
     def __init__(self, count: int) -> None:
         self.inputs: Sequence[int] = ()
-        self._last = np.full(count, np.nan)
+        self._last, self._newest = np.full(count, np.nan), -np.inf
         self._steps: list[deque[float]] = [deque(maxlen=STEPS) for _ in range(count)]
 
     def take(self, time: float, values: np.ndarray) -> None:
         """Take notice of a row with readings (c,); NaN is none."""
+        self._newest = max(self._newest, time)
         for i in self.inputs:
             if np.isnan(values[i]):
                 continue
@@ -71,10 +74,15 @@ class Spacing:
         """Whether it is known of each input."""
         return all(len(self._steps[i]) >= FEWEST for i in self.inputs)
 
+    def has_stopped(self, i: int) -> bool:
+        """Whether a column has not come for several of its pauses."""
+        own = self.of(i)
+        return own > 0.0 and self._newest - self._last[i] > STOPPED * own
+
     def wait(self, i: int, interval: float) -> float:
         """How long rows are to wait for a column, s; 0 where it comes about as often as rows, `interval` s apart."""
         own = self.of(i)
-        return DELAY * own if own > RARER * interval else 0.0
+        return DELAY * own if own > RARER * interval and not self.has_stopped(i) else 0.0
 
     def waited(self, interval: float) -> float:
         """How long rows wait for inputs that come more rarely than they do, s, where the map gives no delay."""
