@@ -143,8 +143,7 @@ def _run(
                 ear.check()
                 if progress is not None:
                     _tell(progress, run, store)
-            stored = store.result if afterwards is not None else None
-            further = afterwards.look(stored) if afterwards is not None and stored is not None else ({}, [])
+            further = ({}, []) if afterwards is None else _found_behind(afterwards, run, store)
         except KeyboardInterrupt:
             if not run.complete or afterwards is None or afterwards.unless is None:
                 result = run.finish(store, INTERRUPTED)
@@ -162,6 +161,18 @@ def _run(
         detail = f"{100.0 * run.energy_created():.2g} % of it was created numerically"
         raise StoppedEarly(Status.IMBALANCE, run.time, "the whole scene", detail, result)
     return result
+
+
+def _found_behind(afterwards: Afterwards, run: Run, store: FrameStore) -> Further:
+    """What is found out behind a run; whatever that raises, the run is kept as it ended."""
+    stored = store.result
+    try:
+        return ({}, []) if stored is None else afterwards.look(stored)
+    except (KeyboardInterrupt, StoppedEarly):  # have a way of their own
+        raise
+    except BaseException:  # also SystemExit
+        run.finish(store, run.end_status().word)
+        raise
 
 
 def _tell(progress: Callable[[float, float], None], run: Run, store: FrameStore) -> None:

@@ -8,6 +8,7 @@ from study.test_between_frames import BOUNCE, PEAK
 
 import tautline
 from gardenhose.application import Gardenhose
+from tautline.results.result import Result
 from tautline.study.accuracy.finer_frames import steps_in_a_frame
 from tautline.study.trials.between_frames import FINER, divisor, well_divided
 from tautline.study.trials.history import ENDS, watch
@@ -44,3 +45,26 @@ def test_the_force_that_is_looked_at_is_the_largest_that_is_shown_where_flow_sto
     looked = watch(result)
     assert looked.force.variable == ENDS and "at the start of element 1" in looked.force_said
     assert looked.of(result).force.max() == result[ENDS].max() and math.isfinite(looked.extent)
+
+
+@pytest.mark.parametrize("where", ["frames_for_each", "between_frames"])
+def test_ctrl_c_beside_the_loop_of_the_look_leaves_the_run_done_and_what_is_known_of_it(monkeypatch, where):
+    def interrupted(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(f"tautline.study.accuracy.finer_frames.{where}", interrupted)
+    result = tautline.simulate(tautline.read(BOUNCE), accuracy="1 %")
+    assert (
+        result.attributes["status"] == "done" and result.accuracy["met"] and result.accuracy["between_frames"] is False
+    )
+    assert any("what happens between the stored frames is not known" in one for one in result.warnings)
+
+
+def test_what_progress_raises_in_the_look_leaves_the_run_stored_as_it_ended(monkeypatch, tmp_path):
+    def raises(*_):
+        raise RuntimeError("shown no more")
+
+    monkeypatch.setattr("tautline.study.accuracy.choice.look_between", raises)
+    with pytest.raises(RuntimeError, match="shown no more"):
+        tautline.simulate(tautline.read(BOUNCE), tmp_path / "run.nc", accuracy="1 %")
+    assert Result.read(tmp_path / "run.nc").attributes["status"] == "done"

@@ -91,6 +91,21 @@ def look_between(
     progress : callable or None
         Called with simulated and wall time, s.
     """
+    try:
+        return _look(subject, model, result, last, before, progress)
+    except (Interrupted, KeyboardInterrupt):
+        # Of the run itself nothing is missing.
+        return Looked(None, 0.0, CUT_SHORT)
+
+
+def _look(
+    subject: Subject,
+    model: Model,
+    result: Result,
+    last: int,
+    before: int,
+    progress: Callable[[float, float], None] | None,
+) -> Looked | None:
     interval, method = float(model.solver.interval), model.solver.method
     count = steps_in_a_frame(last, before, method_of(method).explicit)
     finer = frames_for_each(model, interval / last, interval / count, len(result.time))
@@ -100,10 +115,7 @@ def look_between(
     seconds = AT_LEAST + ALLOWED * spent + SECONDS * finer * len(result.time)
     fine = Subject(subject.application, subject.scene, interval=interval / finer)
     further: dict[str, Any] = {} if progress is None else {"progress": progress}
-    try:
-        trial = fine.run(Setting(method, interval / count), seconds=seconds, **further)
-    except Interrupted:
-        return Looked(None, 0.0, CUT_SHORT)
+    trial = fine.run(Setting(method, interval / count), seconds=seconds, **further)
     cpu = trial.cpu_time or 0.0
     if not trial.done or trial.result is None:
         return Looked(None, cpu, f"the run with finer frames stopped: {trial.sentence or trial.status}")
