@@ -407,13 +407,13 @@ class Horizon:
         """Find whether the estimate is a guess no more: a number was shown, or a whole window has left all well known.
 
         What the map knows well to begin with, sensors may never show ten times better. Yet a window of readings has to
-        come first: it shows the free motions, and that the map is wrong.
+        come first: it shows the free motions, and that the map is wrong. Where it does so, none counts until another.
         """
         last, newest = ~self.free, self.samples[-1]
         shown = TENTH * self.first_sd[last]
         if not self.found and np.any(self.deviation[last] < shown):
             self.found = True
-        elif not self.found and self.has_seen_a_window:
+        elif not self.found and self.has_seen_a_window and not np.isfinite(self._contradicted):
             # What the zero of a sensor is off by does not matter below the sensor's own noise.
             noise = {one.name: sd for one, sd in zip(self.channels, self.deviations(newest.y0), strict=True)}
             size = [noise[one.target] if one.is_offset else abs(mean) * TENTH for one, mean in self._lasting_ones()]
@@ -503,7 +503,7 @@ class Horizon:
             narrow = np.all(np.diag(wider)[last] < np.diag(most)[last])
             self.prior = np.linalg.inv(wider) if narrow else np.linalg.inv(most)
             self.released, self._contradicted = time, np.nan
-            self.found = False
+            self.found, self.begun = False, time
 
     def _forget_what_changed(self) -> None:
         """Forget what was before some last samples, where another estimate explains these and the old one does not."""
