@@ -235,6 +235,8 @@ def _recall(twin: Twin, words: dict[str, Any], arrays: dict[str, np.ndarray]) ->
         Sample(float(arrays["sample_time"][i]), *(arrays[f"sample_{x}"][i] for x in ("y", "y0", "J", "use", "rows")))
         for i in range(len(arrays["sample_time"]))
     )
+    if "found" not in words and h.samples:
+        h.begun = h.samples[0].time
     estimate.log.origin, twin.now = float(words["origin"]), float(words["now"])
     twin.paused = bool(words["paused"])
     twin.unsettled, twin.restarts = float(words["unsettled"]), int(words["restarts"])
