@@ -59,7 +59,50 @@ def test_an_input_that_stops_stalls_no_row():
     behind = [stamp - line["time"] for stamp, readings in rows for line in twin.add(stamp, readings) if stamp > 1.5]
     # Three of its pauses are 0.6 s, and noise is smoothed over less than a second.
     assert max(behind) < 1.0
+    # What was said of it is true still: rows are answered sooner now.
+    (text,) = told(twin)
+    assert "every 0.2 s: while it does so, rows are answered after 0.6 s" in text
+    assert behind[-30:] == pytest.approx([3 * INTERVAL] * 30, abs=0.6 * INTERVAL)
     assert twin.now > rows[-1][0] - 1.0
+
+
+def test_a_row_waits_for_an_input_that_has_stopped_only_until_two_and_a_half_of_its_intervals_have_passed():
+    twin = Twin(HOIST, MAP)
+    lines = []
+    for k, (stamp, readings) in enumerate(finer_rows()):
+        comes = k % 20 == 0 and stamp < 3.5
+        new = twin.add(stamp, readings if comes else readings | {"winch_pos": math.nan})
+        lines += [(stamp, stamp - line["time"], line["health"]) for line in new]
+    of_then = [behind for stamp, behind, _ in lines if 3.5 < stamp < 5.45]
+    assert of_then == [] or min(of_then) > 2.9
+    # The last reading was at 3 s, and one comes each second: rows wait until 5.5 s, and then as for what is frequent.
+    assert [behind for stamp, behind, _ in lines if stamp > 5.65] == pytest.approx(
+        [3 * INTERVAL] * sum(stamp > 5.65 for stamp, *_ in lines), abs=1e-6
+    )
+    assert next(stamp for stamp, _, health in lines if health == "lost") == pytest.approx(3.0 + 5.0 + 0.15, abs=0.06)
+
+
+def test_an_input_that_has_stopped_is_waited_for_again_from_its_next_reading_on_and_one_that_comes_late_has_not():
+    spacing = Spacing(2)
+    spacing.inputs = [0]
+    for time in np.arange(0.0, 3.05, 0.1):
+        whole = abs(time - round(time)) < 0.01
+        spacing.take(float(time), np.array([1.0 if whole else math.nan, 1.0]))
+    assert spacing.waited(0.1) == pytest.approx(3.0)
+    spacing.take(5.4, np.array([math.nan, 1.0]))
+    assert not spacing.has_stopped(0)
+    spacing.take(5.6, np.array([math.nan, 1.0]))
+    assert spacing.has_stopped(0) and spacing.waited(0.1) == 0.0
+    spacing.take(20.0, np.array([1.0, 1.0]))
+    assert spacing.waited(0.1) == pytest.approx(3.0)
+    late = Spacing(2)
+    late.inputs = [0]
+    for time in np.arange(0.0, 9.95, 0.1):
+        late.take(float(time), np.array([math.nan, 1.0]), float(time) - 0.1)
+        if abs(time - round(time)) < 0.01 and time > 1.5:  # each reading comes two seconds after its stamp
+            late.take(float(time) - 2.0, np.array([1.0, math.nan]), float(time))
+        if time > 6.0:
+            assert not late.has_stopped(0)
 
 
 def test_an_input_that_never_comes_delays_the_first_row_by_no_more_than_a_second():

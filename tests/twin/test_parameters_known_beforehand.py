@@ -13,6 +13,7 @@ import yaml
 import tautline
 from tautline.twin.alarms import bound_said
 from tautline.twin.estimation.horizon import Horizon, Sample
+from tautline.twin.forecast import Found
 from tautline.twin.map.plan import Unknown
 from tautline.twin.twin import Twin
 from tautline.twin.watch import Compared, Watch
@@ -120,16 +121,40 @@ def test_a_guess_tells_only_residuals_that_its_deviation_does_not_reach(judged):
     assert "off" not in judged(0.5, 0.002, residual=0.013, far=True)
 
 
+HEIGHT = "  - {output: 'tip.position[2]', above: 1 m, name: height, ahead: 2 s}\n"
+
+
+@pytest.mark.parametrize(
+    ("measured", "converged", "known"), [(0.3, False, False), (0.81, False, True), (0.3, True, True)]
+)
+def test_what_a_guess_foresees_is_certain_only_while_the_sensor_of_the_same_output_agrees_with_it(
+    measured, converged, known
+):
+    twin = Twin(hose(), MAP.format(start=MASS, sd=0.4 * MASS) + HEIGHT)
+    watch = Watch(twin.plan, twin.readings.health, None)
+    for time in (1.0, 1.3, 1.6):
+        value = measured + 1e-3 * time
+        twin.readings.health[1].check(time, value)
+        watch.judge(Compared(
+            time, np.array([2.0, value]), {"tip.position[2]": (0.8, 0.02)}, np.array([value - 0.8]),
+            np.array([0.02]), np.ones(1, bool), np.ones(1), converged, Found(time, beyond={"height": [(1.0, 1.5)]}),
+        ))  # fmt: skip
+    height = watch.alarms.active["height"]
+    assert height.known == known and "in 1.0 s: 1.5 m, above 1 m" in height.text
+    # The driver sees both values, and may judge himself.
+    assert ("That is not certain. What is measured now is 0.301" in height.text) == (not known)
+
+
 def horizon(sd, drift=0.0, start=1.0):
     channel = Twin(hose(), MAP.format(start=MASS, sd=0.4 * MASS) + RESIDUAL).plan.measured[0]
     one = Unknown(name="a", target="a", is_offset=False, unit="", start=start, sd=sd, low=0.0, high=9.0, drift=drift)
     return Horizon([one], [channel.model_copy(update={"sd": 0.1})], 1.0)
 
 
-def fed(one, times, use=True):
-    """A horizon that has taken in readings of 1, which are the unknown itself."""
+def fed(one, times, use=True, value=1.0):
+    """A horizon that has taken in readings of 1, or of another value, which are the unknown itself."""
     for time in times:
-        one.add(Sample(time, np.ones(1), one.mean.copy(), np.ones((1, 1)), np.array([use])))
+        one.add(Sample(time, np.full(1, value), one.mean.copy(), np.ones((1, 1)), np.array([use])))
         one.theta0 = one.mean.copy()
     return one
 
@@ -148,6 +173,20 @@ def test_what_the_map_knows_to_a_tenth_is_known_behind_a_window_though_sensors_s
     one = fed(horizon(sd, start=start), np.arange(0.0, 0.9, 0.1), use=False)
     assert not one.found
     assert fed(one, np.arange(0.9, 2.0, 0.1), use=False).found == known
+
+
+def test_an_estimate_that_readings_contradict_is_a_guess_until_a_whole_window_has_come_that_does_not():
+    one = fed(horizon(0.05), np.arange(0.0, 2.0, 0.1))
+    assert one.found
+    known = []
+    for time in np.arange(2.0, 9.0, 0.1):
+        fed(one, [time], value=2.0)
+        if np.isfinite(one.released) and one.found:
+            assert time > one.released + 0.9
+            # As well as the map knows it: what readings contradict is far from that.
+            assert one.mean[0] == pytest.approx(2.0, rel=0.1)
+            known.append(time)
+    assert known and known[0] > 4.0
 
 
 @pytest.mark.parametrize(("value", "bound"), [(0.49995862, 0.49995876), (0.499958, 0.5), (-2.00001, -2.0)])

@@ -132,6 +132,22 @@ def test_a_state_of_an_earlier_program_that_kept_less_is_read(whole, tmp_path):
     assert len(said_of(twin, [row for row in bad_rows() if row[0] > first.now])) > 3
 
 
+def test_a_window_that_an_earlier_program_kept_counts_as_one_that_has_come_though_it_kept_not_when_it_began(
+    whole, tmp_path
+):
+    path, first, *_ = whole[1]["an alarm"]
+    with np.load(path) as file:
+        words = json.loads(file["words"].tobytes())
+        del words["found"]
+        kept = {name: file[name] for name in file.files if not name.startswith("held")}
+    np.savez(tmp_path / "old.npz", **{**kept, "words": np.frombuffer(json.dumps(words).encode(), np.uint8)})
+    twin = made()
+    load(twin, tmp_path / "old.npz")
+    horizon = twin.estimate.horizon
+    assert first.now - horizon.window - 0.3 < horizon.begun < first.now - horizon.window + 0.3
+    assert horizon.has_seen_a_window
+
+
 @pytest.mark.parametrize(
     "held", [b"{", b"[]", b'{"pairs": [["some", {"same": 7}]]}', b'{"record": "os:system", "number": 0, "of": {}}']
 )

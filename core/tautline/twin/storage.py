@@ -231,12 +231,12 @@ def _recall(twin: Twin, words: dict[str, Any], arrays: dict[str, np.ndarray]) ->
     h.prior_time, h.released, h.since, h.changed = (float(x) for x in arrays["numbers"])
     if "found" in words:  # states of earlier versions have it in the deviations alone
         h.found, h.begun = bool(words["found"][0]), float(words["found"][1])
-    elif len(arrays["sample_time"]):
-        h.begun = float(arrays["sample_time"][0])
     h.samples = deque(
         Sample(float(arrays["sample_time"][i]), *(arrays[f"sample_{x}"][i] for x in ("y", "y0", "J", "use", "rows")))
         for i in range(len(arrays["sample_time"]))
     )
+    if "found" not in words and h.samples:
+        h.begun = h.samples[0].time
     estimate.log.origin, twin.now = float(words["origin"]), float(words["now"])
     twin.paused = bool(words["paused"])
     twin.unsettled, twin.restarts = float(words["unsettled"]), int(words["restarts"])

@@ -345,13 +345,14 @@ class Watch:
             within = known and row.converged and not row.unsure and surely_within(value, sd, one)
             self._follow_seen(one, sensor, measured if seen else np.nan, computed_too, within)
         ahead = self._coming(one, row, sd) if known and not (seen or computed_too) else None
+        against = ahead is not None and sensor is not None and self._speaks_against(row, sensor)
         if seen and sensor is not None:
             said = self._said_measured(one, sensor, computed_too and surely_beyond(value, sd, one))
         elif computed_too:
             believed = sensor is not None and sensor.fault == ""
             said = self._said_computed(one, value, sd, measured if believed else np.nan)
         elif ahead is not None:
-            said = self._said_coming(one, row, sd, ahead)
+            said = self._said_coming(one, row, sd, ahead, measured if against else np.nan)
         else:
             self._judge_unseen(one, row, sensor)
             return
@@ -362,7 +363,7 @@ class Watch:
             # What is computed is known at each row: rows within the bound lie between.
             forgotten_after = max(CLEAR, sensor.patience, row.time - self._before) * (1.0 + EDGE)
         # A doubt of all that is computed, or of where the estimate is, is none that the next row may end.
-        flutters = ahead is None or bool(np.isfinite(ahead[3]) and not row.unsure)
+        flutters = ahead is None or bool(np.isfinite(ahead[3]) and not row.unsure and not against)
         # Nor is that of a sensor which has shown it, and shows nothing now or is not believed.
         shows = sensor is not None and sensor.fault == "" and bool(np.isfinite(measured))
         flutters &= one.name not in self._seen or shows
@@ -436,17 +437,28 @@ class Watch:
         return text + self._doubt(one, doubt, sd) * (not certain), certain
 
     def _said_coming(
-        self, one: Alarm, row: Compared, sd: float, coming: tuple[float, float, float, float]
+        self, one: Alarm, row: Compared, sd: float, coming: tuple[float, float, float, float], against: float
     ) -> tuple[str, bool]:
-        """What is said of a bound that will be passed, and whether that is certain."""
+        """What is said of a bound that will be passed, and whether that is certain: not where a reading is against it.
+
+        NaN is none.
+        """
         left, value, worst, away = coming
         text = f"{one.asked} in {left:.1f} s: {bound_said(value, one.above, one.below, self._teller(one))}"
         if away != 0.0:
             sd = float(np.hypot(sd, away)) if np.isfinite(sd) else away
         # A load that bounces in the simulation alone would be a danger by far more than its deviation.
         certain = bool(np.isfinite(away)) and surely_beyond(worst, sd, one) and not row.unsure
+        if certain and np.isfinite(against):
+            return text + self._doubt(one, "What is measured now", against), False
         doubt = self._doubt(one, "The standard deviation", sd) + ", and what is computed is in doubt" * row.unsure
         return text + doubt * (not certain), certain
+
+    def _speaks_against(self, row: Compared, sensor: Health) -> bool:
+        """Whether a sensor shows that a guess is wrong, and by that what it foresees: by more than its deviation."""
+        m = [one.name for one in self.plan.measured].index(sensor.channel.name)
+        off, sd = abs(row.residual[m]), row.residual_sd[m]
+        return not row.converged and sensor.believed and bool(off > SURE * sd)
 
     def _doubt(self, one: Alarm, doubt: str, value: float) -> str:
         return f". That is not certain. {doubt} is {self._teller(one)(value) if np.isfinite(value) else 'not known'}"

@@ -407,7 +407,7 @@ class Horizon:
         """Find whether the estimate is a guess no more: a number was shown, or a whole window has left all well known.
 
         What the map knows well to begin with, sensors may never show ten times better. Yet a window of readings has to
-        come first: it shows the free motions, and that the map is wrong.
+        come first: it shows the free motions, and that the map is wrong. Where it does so, none counts until another.
         """
         last, newest = ~self.free, self.samples[-1]
         shown = TENTH * self.first_sd[last]

@@ -19,7 +19,7 @@ from tautline.twin.signals.row import Row
 from tautline.twin.signals.rows import LONGEST_DELAY, Rows
 from tautline.twin.signals.sensors import Health
 from tautline.twin.signals.smoothing import smooth, smooth_widely
-from tautline.twin.signals.spacing import DELAY
+from tautline.twin.signals.spacing import DELAY, MOST_WAITED
 from tautline.twin.signals.waves import Waves
 
 SMOOTHED = 2.0
@@ -233,9 +233,12 @@ class Readings:
         return found
 
     def _waited(self, i: int) -> float:
-        """How long rows wait for an input as it comes more rarely than they do, s; 0 where they do not."""
+        """How long rows wait for an input as it comes more rarely than they do, s; 0 where they do not.
+
+        Of one that has stopped they waited so long: its readings of then have rows between them still.
+        """
         wait = self.rows.spacing.wait(i, self.rows.interval)
-        return wait if self.rows.delay is None and wait <= self.rows.patience else 0.0
+        return wait if self.rows.delay is None and wait <= MOST_WAITED else 0.0
 
     def _look_for_rare(self) -> None:
         """See which inputs come so rarely that rows do not wait for their next readings; say once what rows do."""
@@ -245,7 +248,7 @@ class Readings:
             every, column = rows.spacing.of(i), self.channels[i].column
             # Each row has a reading where inputs come as often as rows.
             often = every <= OFTEN * rows.interval
-            if often or rows.spacing.has_stopped(i) or not np.isfinite([rows.interval, rows.patience]).all():
+            if often or rows.spacing.has_stopped(i) or not (np.isfinite(rows.interval) and np.isfinite(rows.patience)):
                 continue
             too_soon = rows.patience < every - ONE_STAMP
             if too_soon:
@@ -260,8 +263,10 @@ class Readings:
             if too_soon:
                 text = f"rows are answered after {rows.patience:.2g} s, before its next reading is there. {cure}"
             else:
-                after = f"rows are answered after {rows.patience:.2g} s while it comes"
-                text = f"{after}. Write `delay` in the map for another time"
+                text = (
+                    f"while it does so, rows are answered after {rows.patience:.2g} s. "
+                    "Write `delay` in the map for another time"
+                )
             self._remarks.append(f"{column} comes every {every:.2g} s: {text}")
 
     def _look_for_steps(self, track: InputTrack, times: np.ndarray, values: np.ndarray) -> None:

@@ -490,7 +490,7 @@ class Rows:
 
     def _insert(self, row: Row) -> None:
         self._correct(row)
-        self.spacing.take(row.time, row.values)
+        self.spacing.take(row.time, row.values, self.newest)
         self._newest_sent = max(self._newest_sent, row.time) if row.measured.any() else self._newest_sent
         # What is behind others came later than they did, and what is repeated was never sent.
         if self.live and row.measured.any() and row.time > self.newest:

@@ -19,11 +19,10 @@ DELAY = 3.0
 SHOWN_IN = 1.0
 """Longest that the first row waits for others that show the noise of inputs, and how often they come, s."""
 RARER = 2.5
-"""Sample intervals between readings of an input from which on rows wait for it: others lose some of theirs."""
+"""Sample intervals between readings of an input from which on rows wait for it: others lose some of theirs. And
+intervals of its own behind which it has stopped: it may lose one reading, too."""
 STEPS, FEWEST, ALIKE = 5, 3, 1.5
 """Last pauses of which the median is that of an input; and how many tell it, no more than so many times off it."""
-STOPPED = 3.5
-"""Pauses of an input after which its next reading is not awaited: half a pause more than rows wait for it."""
 MOST_WAITED = 3.0
 """Longest that rows wait for an input where no delay is given, s: an alarm comes later by that."""
 
@@ -31,7 +30,7 @@ MOST_WAITED = 3.0
 class Spacing:
     """Follows how far apart readings of each column come, by their stamps.
 
-    What has not come for several of its pauses is not waited for until it comes again.
+    What has stopped coming keeps the pause that it had, and rows wait for it no more until it comes again.
 
     Parameters
     ----------
@@ -48,17 +47,20 @@ class Spacing:
 
     def __init__(self, count: int) -> None:
         self.inputs: Sequence[int] = ()
-        self._last, self._newest = np.full(count, np.nan), -np.inf
+        self._last = np.full(count, np.nan)
+        self._late = np.zeros(count)  # by how much the last of each column came behind others
+        self._newest = -np.inf
         self._steps: list[deque[float]] = [deque(maxlen=STEPS) for _ in range(count)]
 
-    def take(self, time: float, values: np.ndarray) -> None:
-        """Take notice of a row with readings (c,); NaN is none."""
-        self._newest = max(self._newest, time)
+    def take(self, time: float, values: np.ndarray, newest: float = -np.inf) -> None:
+        """Take notice of a row with readings (c,), NaN is none, and of when the newest row before it was."""
+        self._newest = max(time, newest)
         for i in self.inputs:
             if np.isnan(values[i]):
                 continue
             if time > self._last[i] + ONE_STAMP:
                 self._steps[i].append(float(time - self._last[i]))
+            self._late[i] = self._newest - time
             self._last[i] = time  # also of one out of order: the one before it may be from the future
 
     def of(self, i: int) -> float:
@@ -69,22 +71,23 @@ class Spacing:
         alike = sum(usual / ALIKE <= one <= usual * ALIKE for one in self._steps[i])
         return usual if alike >= FEWEST else 0.0
 
+    def has_stopped(self, i: int) -> bool:
+        """Whether readings of a column were to come, and have not: not even as late as the last one came."""
+        usual = self.of(i)
+        return usual > 0.0 and self._newest - self._last[i] > RARER * usual + self._late[i] + ONE_STAMP
+
     @property
     def known(self) -> bool:
         """Whether it is known of each input."""
         return all(len(self._steps[i]) >= FEWEST for i in self.inputs)
 
-    def has_stopped(self, i: int) -> bool:
-        """Whether a column has not come for several of its pauses."""
-        own = self.of(i)
-        return own > 0.0 and self._newest - self._last[i] > STOPPED * own
-
     def wait(self, i: int, interval: float) -> float:
-        """How long rows are to wait for a column, s; 0 where it comes about as often as rows, `interval` s apart."""
+        """How long rows are to wait for a column that comes, s; 0 where it comes about as often as they, `interval` s
+        apart."""
         own = self.of(i)
-        return DELAY * own if own > RARER * interval and not self.has_stopped(i) else 0.0
+        return DELAY * own if own > RARER * interval else 0.0
 
     def waited(self, interval: float) -> float:
         """How long rows wait for inputs that come more rarely than they do, s, where the map gives no delay."""
-        waits = [self.wait(i, interval) for i in self.inputs]
+        waits = [self.wait(i, interval) for i in self.inputs if not self.has_stopped(i)]
         return max([one for one in waits if one <= MOST_WAITED], default=0.0)
