@@ -19,7 +19,7 @@ from tautline.cli.main import main
 
 DATA = Path(__file__).parents[2] / "data"
 COMMAND = [sys.executable, "-c", "import sys; from tautline.cli.main import main; sys.argv[0] = 'tautline'; main()"]
-STEP = "0.05 ms"
+STEP = "0.02 ms"
 """So short that the first frames take some time, in which a run can be ended."""
 FAR = "1000 s"
 """So far that no run comes to its end before it is ended, however slow the machine."""
