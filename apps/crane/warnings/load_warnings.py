@@ -1,4 +1,4 @@
-"""What to tell of loads before a run: those that float, turn over or lie, and what a release leaves on the hook."""
+"""What to tell of loads before a run: those that float, overturn or lie, and what a release leaves on the hook."""
 
 from __future__ import annotations
 
