@@ -7,12 +7,12 @@ import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass, replace
-from functools import partial
 from typing import Any
 
 import numpy as np
 
 from tautline.explicit_watch import ExplicitWatch, explicit_step_of
+from tautline.finer_frames import FinerFrames, on_demand
 from tautline.integrators.corrector.newton import advice
 from tautline.integrators.explicit_step import SAFE
 from tautline.integrators.linearise import start_moving
@@ -57,7 +57,6 @@ from tautline.results.assessment.rounding import without_rounding
 from tautline.results.assessment.start import Start, pivots, static_start
 from tautline.results.brief_store import BriefStore
 from tautline.results.errors import ResultError
-from tautline.results.on_demand import OnDemand
 from tautline.results.result import Result
 from tautline.results.resumption import (
     MISSING_UNTIL,
@@ -136,13 +135,17 @@ class Brief:
 class Run:
     """A run under way: the clock, the state, and what of it was stored."""
 
-    def __init__(self, model: Model, look: Look | None = None, brief: Brief | None = None) -> None:
-        self.model, self.look, self.brief = model, look, brief
+    def __init__(
+        self, model: Model, look: Look | None = None, brief: Brief | None = None, finer: FinerFrames | None = None
+    ) -> None:
+        self.model, self.look, self.brief, self.finer = model, look, brief, finer
         self.method = method_for(model.system, model.solver)
         self.explicit = method_of(model.solver.method).explicit
         self.state = new_state(model.system)
         self.ends, self.steps = frame_times(model.solver.end, model.solver.interval, model.solver.step)
         self.step = float(self.ends[0] / self.steps[0])
+        if finer is not None:
+            self.ends, self.steps = finer.divide(self.ends, self.steps)
         self.time, self.wall, self.cpu, self.done, self.batch = 0.0, 0.0, 0.0, 0, 1
         self.reached, self.waiting, self.spent, self.began_at = 0.0, 0, 0.0, 0.0
         self.complete = False
@@ -455,14 +458,13 @@ class Run:
         if isinstance(store, BriefStore) and self.model.on_demand is not None:
             # The store keeps the frames: the next batch gets a room of its own.
             self.frames = self._room(0)
-            made = self.model.on_demand(part)
-            if not isinstance(made, OnDemand):
-                made = OnDemand({name: partial(made.__getitem__, name) for name in made})
-            stored = made.also(time=lambda: part.time)
+            stored = on_demand(self.model, part)
         else:
-            stored = {"time": part.time.copy(), **self.model.observe(part)}
-        self.book(part, stored)
-        store.append(stored, self.memory, {} if self.brief is not None else self.progress())
+            part = part if self.finer is None else self.finer.take(part)
+            stored = {} if not part.time.size else {"time": part.time.copy(), **self.model.observe(part)}
+        if stored:
+            self.book(part, stored)
+            store.append(stored, self.memory, {} if self.brief is not None else self.progress())
         self.ahead, self.stored_at = 0, time.perf_counter()
 
     def book(self, frames: Frames | None, stored: Mapping[str, np.ndarray]) -> None:

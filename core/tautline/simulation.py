@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from tautline.finer_frames import FinerFrames
 from tautline.integrators.status import Interrupted, Status, StoppedEarly
 from tautline.integrators.time_loop import (
     compile_for,
@@ -56,6 +57,7 @@ def simulate(
     afterwards: Afterwards | None = None,
     brief: Brief | None = None,
     begin: Callable[[], Any] | None = None,
+    finer: FinerFrames | None = None,
 ) -> Result:
     """Run a model and store its frames.
 
@@ -81,6 +83,8 @@ def simulate(
         For one of many runs.
     begin : callable or None
         Called when nothing of ``resume`` can be refused any more, before anything is written.
+    finer : FinerFrames or None
+        Takes further frames, between those that are stored; not with ``resume``, ``brief`` or statistics.
 
     Returns
     -------
@@ -99,7 +103,7 @@ def simulate(
     """
     # One of many runs is the only one of its model.
     with model.system.beginning_anew() if brief is None else nullcontext():
-        return _run(model, path, progress, resume, announce, look, afterwards, brief, begin)
+        return _run(model, path, progress, resume, announce, look, afterwards, brief, begin, finer)
 
 
 def _run(
@@ -112,11 +116,12 @@ def _run(
     afterwards: Afterwards | None,
     brief: Brief | None,
     begin: Callable[[], Any] | None,
+    finer: FinerFrames | None,
 ) -> Result:
     """Run a model whose groups are as they were built; see `simulate`."""
     attributes = {} if brief is not None else {**model.attributes, "version": __version__, **taken_over(resume)}
     make, model = _store_of(model, brief)
-    run = Run(model, look, brief)
+    run = Run(model, look, brief, finer)
     earlier = _gone_on_with(run, resume) if resume is not None else None
     if begin is not None:
         begin()

@@ -2,15 +2,20 @@
 
 import math
 
+import numpy as np
 import pytest
 from physics.pipes.hoses import scene
 from study.test_between_frames import BOUNCE, PEAK
 
 import tautline
+from crane.application import Crane
 from gardenhose.application import Gardenhose
+from tautline.finer_frames import FinerFrames
+from tautline.integrators.status import Interrupted
 from tautline.results.result import Result
-from tautline.study.accuracy.finer_frames import steps_in_a_frame
-from tautline.study.trials.between_frames import FINER, divisor, well_divided
+from tautline.simulation import simulate
+from tautline.study.accuracy.choice import NOT_LOOKED, with_frames_between
+from tautline.study.trials.between_frames import FINER, at_times, divisor, well_divided
 from tautline.study.trials.history import ENDS, watch
 from tautline.study.trials.trial import Setting, Subject
 
@@ -25,10 +30,45 @@ def test_a_run_of_an_accuracy_tells_the_extremes_of_the_closed_form_that_its_fra
     assert any(text.startswith("the stored frames") for text in result.warnings)
 
 
-@pytest.mark.parametrize(("last", "before"), [(12, 3), (8, 1), (96, 24), (3, 1), (50, 33)])
-def test_the_further_run_takes_no_more_steps_than_the_last_and_stores_frames_between(last, before):
-    count = steps_in_a_frame(last, before, False)
-    assert max(before, last / 3) <= count <= last and divisor(count) >= min(5, last)
+@pytest.mark.parametrize("method", ["generalized-alpha", "rk4"])
+@pytest.mark.parametrize("end", [1.5, 1.35])
+def test_frames_in_between_are_those_of_the_run_itself_and_only_its_own_are_stored(tmp_path, method, end):
+    """Against a run that stores them all; the last interval may be shorter, of six steps."""
+    subject = Subject(Crane(), tautline.read(BOUNCE), end=end, interval=0.3)
+    plain = subject.model(Setting(method, 0.3 / 12))
+    own = simulate(plain)
+    every = simulate(Subject(Crane(), tautline.read(BOUNCE), end=end, interval=0.075).model(Setting(method, 0.3 / 12)))
+    finer = FinerFrames(4)
+    stored = simulate(subject.model(Setting(method, 0.3 / 12)), tmp_path / "run.nc", finer=finer)
+    fine = finer.result(plain, stored.attributes)
+    assert fine.time.size == (21 if end == 1.5 else 19) and Result.read(tmp_path / "run.nc").time == pytest.approx(
+        own.time
+    )
+    for name in ("tension", "body_position", "strain_energy", "external_work"):
+        assert stored[name] == pytest.approx(own[name], rel=1e-9, abs=1e-9)
+        assert at_times(fine, every.time)[name] == pytest.approx(at_times(every, fine.time)[name], rel=1e-9, abs=1e-9)
+
+
+def test_a_run_with_frames_in_between_that_is_ended_is_gone_on_with_from_between_two_of_its_own(tmp_path):
+    """The way in which a run of an accuracy is resumed: its state may stand behind the last frame that is stored."""
+    model = Subject(Crane(), tautline.read(BOUNCE), end=3.0, interval=0.3).model(Setting("generalized-alpha", 0.025))
+    whole = simulate(model)
+
+    def ended(*_):
+        raise KeyboardInterrupt
+
+    with pytest.raises(Interrupted) as stop:
+        simulate(model, tmp_path / "part.nc", ended, finer=FinerFrames(4))
+    part = Result.read(tmp_path / "part.nc")
+    assert np.allclose(part.time, whole.time[: part.time.size]) and part.time[-1] < part.attributes["restart_time"]
+    rest = simulate(model, tmp_path / "rest.nc", resume=part)
+    assert rest["tension"] == pytest.approx(whole["tension"], rel=1e-9) and stop.value.result is not None
+
+
+@pytest.mark.parametrize("least", [1, 3, 4.2, 11, 13, 37, 97])
+def test_steps_of_an_explicit_run_are_no_longer_than_asked_and_frames_between_divide_them(least):
+    steps = with_frames_between(least)
+    assert least <= steps <= least + 5 and divisor(steps) >= min(5, steps)
 
 
 def test_whether_anyone_looks_between_frames_does_not_hang_on_the_number_of_steps():
@@ -47,24 +87,21 @@ def test_the_force_that_is_looked_at_is_the_largest_that_is_shown_where_flow_sto
     assert looked.of(result).force.max() == result[ENDS].max() and math.isfinite(looked.extent)
 
 
-@pytest.mark.parametrize("where", ["frames_for_each", "between_frames"])
-def test_ctrl_c_beside_the_loop_of_the_look_leaves_the_run_done_and_what_is_known_of_it(monkeypatch, where):
+def test_ctrl_c_as_a_run_is_compared_with_its_frames_in_between_leaves_it_done(monkeypatch):
     def interrupted(*_):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(f"tautline.study.accuracy.finer_frames.{where}", interrupted)
+    monkeypatch.setattr("tautline.study.accuracy.choice.between_frames", interrupted)
     result = tautline.simulate(tautline.read(BOUNCE), accuracy="1 %")
-    assert (
-        result.attributes["status"] == "done" and result.accuracy["met"] and result.accuracy["between_frames"] is False
-    )
-    assert any("what happens between the stored frames is not known" in one for one in result.warnings)
+    assert result.attributes["status"] == "done" and result.accuracy["met"]
+    assert result.accuracy["between_frames"] is False and NOT_LOOKED in result.warnings
 
 
-def test_what_progress_raises_in_the_look_leaves_the_run_stored_as_it_ended(monkeypatch, tmp_path):
+def test_what_fails_as_a_run_is_compared_with_its_frames_in_between_leaves_it_stored(monkeypatch, tmp_path):
     def raises(*_):
-        raise RuntimeError("shown no more")
+        raise RuntimeError("a figure of others")
 
-    monkeypatch.setattr("tautline.study.accuracy.choice.look_between", raises)
-    with pytest.raises(RuntimeError, match="shown no more"):
+    monkeypatch.setattr("tautline.study.accuracy.choice.between_frames", raises)
+    with pytest.raises(RuntimeError, match="a figure of others"):
         tautline.simulate(tautline.read(BOUNCE), tmp_path / "run.nc", accuracy="1 %")
     assert Result.read(tmp_path / "run.nc").attributes["status"] == "done"

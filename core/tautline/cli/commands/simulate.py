@@ -299,7 +299,6 @@ def _to_accuracy(application: Application, scene: Any, asked: float, target: Pat
 
     return run_to_accuracy(
         application, scene, asked, target, progress=bar, announce=None if quiet else compiling, begin=begin,
-        looks=lambda end: bar.again(end, "looking between the frames"),
         interval_key=key_of_setting(application, "interval"),
     )  # fmt: skip
 

@@ -146,8 +146,6 @@ def _reached(chosen: dict[str, Any]) -> str:
         return "not judged"
     estimate = "" if chosen["reached"] is None else f", by estimate {significant(100.0 * chosen['reached'], 2)} %"
     runs = f"{len(chosen['runs'])} runs"
-    if chosen.get("between_frames"):
-        runs += " and one that looked between frames,"
     cost = "" if chosen["cost"] is None else f" that took {significant(chosen['cost'], 2)} times the time of the last"
     return f"{'reached' if chosen['met'] else 'NOT reached'}{estimate}, in {runs}{cost}"
 

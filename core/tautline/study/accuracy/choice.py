@@ -25,6 +25,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from tautline.finer_frames import FinerFrames
+from tautline.integrators.schedule import frame_times
 from tautline.integrators.status import Status, StoppedEarly
 from tautline.results.errors import ResultError
 from tautline.results.result import Result
@@ -33,10 +35,16 @@ from tautline.scene.errors import option_error
 from tautline.scene.limits import without_limits
 from tautline.scene.methods import explicit_like, implicit_like, method_of
 from tautline.simulation import Afterwards, simulate
-from tautline.study.accuracy.finer_frames import Looked, look_between
 from tautline.study.accuracy.grid import critical_at_start
 from tautline.study.accuracy.shape import order_of_one_shape
-from tautline.study.trials.between_frames import INTERVAL
+from tautline.study.trials.between_frames import (
+    ENOUGH,
+    INTERVAL,
+    BetweenFrames,
+    between_frames,
+    divisor,
+    frames_for_each,
+)
 from tautline.study.trials.errors import apart, ends_apart, motion
 from tautline.study.trials.history import History, Watched, watch
 from tautline.study.trials.history import forces as all_forces
@@ -109,6 +117,8 @@ COMPARED = 3
 """Runs that are compared: the last ones."""
 NEAR_TWO = 1.7
 """Order over times from which three runs with dry friction have no error of a slip in them."""
+NOT_LOOKED = "what happens between the stored frames is not known: to look there was interrupted"
+"""The warning of a run that Ctrl-C reached as it was compared with its frames in between."""
 SURE = 0.9
 """Share of an order that is shown over times, by which the next run is expected to be better."""
 
@@ -167,8 +177,11 @@ class Choice:
         long steps do not show which force varies most.
     why : str
         Why no more accurate run is made, where that is not because the accuracy is reached.
-    looked : Looked or None
-        What one more run showed between the frames of the last; None where none was made.
+    between : BetweenFrames or None
+        What the frames of the last run do not show; None where a frame holds one step, nothing moves, or frames between
+        them would take too much room.
+    not_looked : bool
+        Whether Ctrl-C cut that short.
     """
 
     asked: float
@@ -180,7 +193,8 @@ class Choice:
     estimates: list[float] = field(default_factory=list)
     watched: Watched | None = None
     why: str = ""
-    looked: Looked | None = None
+    between: BetweenFrames | None = None
+    not_looked: bool = False
 
     def rehearsed(self, method: str, divisor: float) -> bool:
         """Whether a run with these steps only serves to find the next: it need not be stored."""
@@ -287,14 +301,14 @@ class Choice:
             return None
         method, divisor = last.method, self._next_divisor()
         if not method_of(method).explicit and divisor > EXPLICIT_GAIN * self.explicit:
-            method, divisor = explicit_like(method), math.ceil(self.explicit)
+            method, divisor = explicit_like(method), with_frames_between(self.explicit)
         self.why = self._reason_to_end(divisor)
         return None if self.why else (method, divisor)
 
     def record(self) -> dict[str, Any]:
         """What is stored with the result and printed by ``--json``."""
         last, errors = self.made[-1], self.errors()
-        spent = sum(run.cpu for run in self.made) + (0.0 if self.looked is None else self.looked.cpu)
+        spent = sum(run.cpu for run in self.made)
         return {
             "asked": self.asked,
             "met": self.met,
@@ -304,7 +318,7 @@ class Choice:
             "step": last.step,
             "why": self.why,
             "cost": spent / last.cpu if last.cpu > 0.0 else None,
-            "between_frames": self.looked is not None and self.looked.found is not None,
+            "between_frames": self.between is not None,
             "runs": [
                 {
                     "method": run.method, "step": run.step, "steps": run.steps, "cpu_time": run.cpu,
@@ -334,18 +348,6 @@ class Choice:
 
     def _like(self, method: str) -> list[Made]:
         return [run for run in self.made if run.method == method and run.seen is not None]
-
-    def steps_of_the_last_two(self) -> tuple[int, int] | None:
-        """Steps in an interval of the frames of the last run, and of the run of its method before it, or 1.
-
-        None of a last run that tells nothing. An explicit method without a run before has those of the last twice.
-        """
-        last = self.made[-1]
-        if last.seen is None:
-            return None
-        before = [run.divisor for run in self._like(last.method)[:-1]]
-        least = last.divisor if method_of(last.method).explicit else 1.0
-        return round(last.divisor), math.ceil(before[-1] if before else least)
 
     def _pairs(self, kind: str) -> list[tuple[Made, Made]]:
         """The last run of those that came to their end with the one before, and that with the one before it.
@@ -407,7 +409,7 @@ class Choice:
     def _next_divisor(self) -> float:
         last = self.made[-1]
         if method_of(last.method).explicit:
-            return math.ceil(EXPLICIT_RATIO * last.divisor)
+            return with_frames_between(EXPLICIT_RATIO * last.divisor)
         if not math.isfinite(self.estimates[-1]):
             return finer(FIRST * last.divisor)
         errors, orders = self.errors(careful=False), self._orders_shown()
@@ -475,6 +477,12 @@ def finer(number: float) -> float:
     return 0.75 * power if power >= 4.0 and 0.75 * power >= number * (1.0 - 1e-9) else power
 
 
+def with_frames_between(number: float) -> float:
+    """The next whole number of steps that is no less, and that enough frames between two others divide: 40 of 37."""
+    least = math.ceil(number)
+    return next(steps for steps in itertools.count(least) if steps < ENOUGH or divisor(steps) >= ENOUGH)
+
+
 def differences(coarse: Seen, fine: Seen, extent: float) -> dict[str, float]:
     """How far two runs are apart at the times that both have, relative, by kind; empty where there are no such times.
 
@@ -528,7 +536,6 @@ def run_to_accuracy(
     progress: Callable[[float, float], None] | None = None,
     announce: Callable[[int], Any] | None = None,
     begin: Callable[[str, float, float], None] | None = None,
-    looks: Callable[[float], None] | None = None,
     interval_key: str = INTERVAL,
 ) -> Result:
     """Run a scene with the method and the step that reach an accuracy, and state what was reached.
@@ -544,8 +551,6 @@ def run_to_accuracy(
         As `tautline.simulation.simulate` takes them. Under ``path`` stand the runs that may be the last.
     begin : callable or None
         Called before each run with its method, step s, and end s.
-    looks : callable or None
-        Called with the end, s, before the run that looks between the frames of the last.
     interval_key : str
         What sets the frames in the scene's file.
 
@@ -566,7 +571,7 @@ def run_to_accuracy(
         raise option_error("accuracy", f"{asked:g}", "needs every frame, and the scene keeps statistics", cure)
     choice = Choice(asked, float(model.solver.interval), float(model.solver.end), bool(model.system.has_friction))
     search = _Search(application, scene, choice, (implicit_like(model.solver.method), _coarsest(scene, choice)))
-    search.look, search.interval_key = _look(progress, looks), interval_key
+    search.interval_key = interval_key
     while search.following is not None:
         method, divisor = search.following
         step, rehearsed = choice.interval / divisor, choice.rehearsed(method, divisor) and not search.to_store
@@ -574,9 +579,11 @@ def run_to_accuracy(
         if begin is not None:
             begin(method, step, choice.end)
         made = application.build(without_limits(arranged) if rehearsed else arranged)
-        judge = Afterwards(partial(search.judge, method, divisor, None if rehearsed else made))
+        finer = None if rehearsed else _further_frames(made)
+        judge = Afterwards(partial(search.judge, method, divisor, made, finer))
+        stored = None if rehearsed else path
         try:
-            result = simulate(made, None if rehearsed else path, progress, announce=announce, afterwards=judge)
+            result = simulate(made, stored, progress, announce=announce, afterwards=judge, finer=finer)
         except StoppedEarly as stop:
             if not search.goes_on_after(stop, method, divisor):
                 raise
@@ -596,8 +603,6 @@ class _Search:
         Method of the next run and its steps in an interval; None after the last.
     to_store : bool
         Whether the next run is the last one made again: what only served to find the next was not stored.
-    look : callable
-        Looks between the frames of a run, given what `look_between` takes.
     interval_key : str
         What sets the frames in the scene's file.
     """
@@ -607,7 +612,6 @@ class _Search:
     choice: Choice
     following: tuple[str, float] | None
     to_store: bool = False
-    look: Callable[..., Looked | None] = look_between
     interval_key: str = INTERVAL
 
     def arranged(self, method: str, step: float) -> Any:
@@ -616,29 +620,32 @@ class _Search:
         return self.application.with_overrides(self.scene, method=method, step=step, control="fixed", interval=interval)
 
     def judge(
-        self, method: str, divisor: float, model: Model | None, result: Result
+        self, method: str, divisor: float, model: Model, finer: FinerFrames | None, result: Result
     ) -> tuple[dict[str, Any], list[str]]:
         """Find what follows a run that came to its end; its attributes and warnings.
 
-        ``model`` is None of a run that only serves to find the next: nobody looks between its frames.
+        ``finer`` are its frames between those that are stored; None of a run that has none.
         """
         choice = self.choice
         choice.take(method, divisor, result)
         if len(choice.made) == ASKED_AFTER and not choice.friction:
             choice.explicit = _stable(self.application, self.scene, choice.interval)
         self.following = choice.following()
-        if self.following is None and model is not None:
-            self._look_between(model, result)
+        if self.following is None and finer is not None:
+            self._look_between(model, finer, result)
         return _attributes_and_warnings(choice, self.interval_key)
 
-    def _look_between(self, model: Model, result: Result) -> None:
+    def _look_between(self, model: Model, finer: FinerFrames, result: Result) -> None:
         """Look between the frames of the last run, where anything moves."""
         choice = self.choice
         if choice.watched is None or not choice.watched.moves:
             return
-        steps = choice.steps_of_the_last_two()
-        if steps is not None:
-            choice.looked = self.look(Subject(self.application, self.scene), model, result, *steps)
+        try:
+            fine = finer.result(model, result.attributes)
+            choice.between = None if fine is None else between_frames(model, result, fine)
+        except KeyboardInterrupt:
+            # Of the run itself nothing is missing.
+            choice.not_looked = True
 
     def goes_on_after(self, stop: StoppedEarly, method: str, divisor: float) -> bool:
         """Whether another run follows one that stopped early."""
@@ -667,17 +674,11 @@ def _stable(application: Any, scene: Any, interval: float) -> float:
     return math.inf if critical is None else max(1.0, interval / (EXPLICIT_SHARE * critical))
 
 
-def _look(
-    progress: Callable[[float, float], None] | None, looks: Callable[[float], None] | None
-) -> Callable[..., Looked | None]:
-    """What looks between the frames of a run, and shows that it does."""
-
-    def look(subject: Subject, model: Model, result: Result, last: int, before: int) -> Looked | None:
-        if looks is not None:
-            looks(float(model.solver.end))
-        return look_between(subject, model, result, last, before, progress)
-
-    return look
+def _further_frames(model: Model) -> FinerFrames | None:
+    """What takes frames between those of a run; None where a frame holds one step, or where there is no room."""
+    step, (ends, _) = model.solver.step, frame_times(model.solver.end, model.solver.interval, model.solver.step)
+    count = frames_for_each(model, step, step, ends.size)
+    return FinerFrames(count) if count > 1 else None
 
 
 def _attributes_and_warnings(choice: Choice, interval_key: str) -> tuple[dict[str, Any], list[str]]:
@@ -691,8 +692,9 @@ def _attributes_and_warnings(choice: Choice, interval_key: str) -> tuple[dict[st
             min(others), watched.point_said, errors["position"] * size, errors["position"],
             watched.force_said, errors.get("force"), others,
         )._asdict()  # fmt: skip
-    looked = choice.looked
-    if looked is not None and looked.found is not None:
-        attributes["between_frames"] = looked.found.record()
-    told = [choice.warning, None if looked is None else looked.warned(interval_key)]
+    between = choice.between
+    if between is not None:
+        attributes["between_frames"] = between.record()
+    told = [choice.warning, None if between is None else between.warned(interval_key)]
+    told += [NOT_LOOKED] if choice.not_looked else []
     return attributes, [text for text in told if text]

@@ -1,0 +1,76 @@
+"""Frames between those that a run stores, kept in memory as they come: what the stored ones miss is seen in them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from tautline.integrators.time_loop import Frames, frames_of
+from tautline.results.brief_store import BriefStore
+from tautline.results.on_demand import OnDemand
+from tautline.results.result import Result
+from tautline.system.model import Model
+
+
+def on_demand(model: Model, frames: Frames) -> OnDemand:
+    """The variables of frames that stay as they are, and their time, each made when it is asked for."""
+    made = model.seen(frames)
+    if not isinstance(made, OnDemand):
+        made = OnDemand({name: partial(made.__getitem__, name) for name in made})
+    return made.also(time=lambda: frames.time)
+
+
+class FinerFrames:
+    """Further frames of a run, evenly between its own. They are in memory, and nothing is made of them before it is
+    asked for.
+
+    Parameters
+    ----------
+    count : int
+        How many there are for each of the run's own, with that one: a divisor of the steps between two of these.
+
+    Attributes
+    ----------
+    own : ndarray, shape (m,)
+        Whether a frame is one of the run's own, of the one at the start and all that are due.
+    """
+
+    def __init__(self, count: int) -> None:
+        self.count = count
+        self.own = np.ones(1, bool)
+        self._rows: list[np.ndarray] = []
+        self._taken, self._width = 0, 0
+
+    def divide(self, ends: np.ndarray, steps: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Times (m,) s of all frames, and the steps before each, from those of the run's own.
+
+        A last interval that is shorter has as many as divide its steps too.
+        """
+        parts = {int(n): math.gcd(int(n), self.count) for n in np.unique(steps)}
+        counts = np.array([parts[int(n)] for n in steps], np.int64)
+        last = np.repeat(np.cumsum(counts), counts)
+        behind = last - np.arange(1, last.size + 1)
+        whole = np.repeat(np.diff(ends, prepend=0.0) / counts, counts)
+        self.own = np.append(True, behind == 0)
+        self._rows, self._taken = [], 0
+        return np.repeat(ends, counts) - behind * whole, np.repeat(steps // counts, counts)
+
+    def take(self, frames: Frames) -> Frames:
+        """Keep frames as they come, and return those of them that are the run's own."""
+        rows = frames.rows.copy()
+        own = self.own[self._taken : self._taken + len(rows)]
+        self._rows.append(rows)
+        self._taken, self._width = self._taken + len(rows), frames.q.shape[1]
+        return frames_of(rows[own], self._width)
+
+    def result(self, model: Model, attributes: Mapping[str, Any]) -> Result | None:
+        """All frames that were taken, as a result of a run with such attributes; None where there are none."""
+        if not self._rows:
+            return None
+        store = BriefStore(None, model.variables, model.coordinates, dict(attributes))
+        store.append(on_demand(model, frames_of(np.concatenate(self._rows), self._width)))
+        return store.result
