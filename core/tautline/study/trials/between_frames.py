@@ -182,7 +182,8 @@ def _places(result: Result, time: np.ndarray) -> np.ndarray:
     """Numbers of the frames that are at some times (m,), s."""
     near = SAME_TIME * float(time[-1])
     place = np.minimum(np.searchsorted(result.time, time - near), len(result.time) - 1)
-    return np.unique(place[np.abs(result.time[place] - time) <= 2.0 * near])
+    found = place[np.abs(result.time[place] - time) <= 2.0 * near]
+    return found[np.diff(found, prepend=-1) > 0]
 
 
 def between_frames(model: Model, judged: Result, fine: Result) -> BetweenFrames:
@@ -197,7 +198,9 @@ def between_frames(model: Model, judged: Result, fine: Result) -> BetweenFrames:
     """
     places = _places(fine, judged.time)
     # A run that was gone on with may have had other frames before: those of the scene are held against finer ones.
-    interval, finer = float(model.solver.interval), float(f"{np.median(np.diff(fine.time)):.9g}")
+    # Not `np.median`, nor `np.unique` below, which load all of masked arrays to ask whether these are.
+    usual = np.sort(np.diff(fine.time))[(fine.time.size - 1) // 2]
+    interval, finer = float(model.solver.interval), float(f"{usual:.9g}")
     seen, shown = _figures(model, fine), _figures(model, judged)
     figures = _missed(model, fine, places, seen, shown)
     limits = _broken(model, judged, shown, fine, seen, places)
