@@ -119,6 +119,8 @@ NEAR_TWO = 1.7
 """Order over times from which three runs with dry friction have no error of a slip in them."""
 NOT_LOOKED = "what happens between the stored frames is not known: to look there was interrupted"
 """The warning of a run that Ctrl-C reached as it was compared with its frames in between."""
+FEW = 3
+"""Steps in a frame up to which each of them may be kept."""
 SURE = 0.9
 """Share of an order that is shown over times, by which the next run is expected to be better."""
 
@@ -675,9 +677,13 @@ def _stable(application: Any, scene: Any, interval: float) -> float:
 
 
 def _further_frames(model: Model) -> FinerFrames | None:
-    """What takes frames between those of a run; None where a frame holds one step, or where there is no room."""
+    """What takes frames between those of a run; None where a frame holds one step, or where there is no room.
+
+    Of small scenes a frame costs as much as a step: unless there are few of these, two lie between two frames at least.
+    """
     step, (ends, _) = model.solver.step, frame_times(model.solver.end, model.solver.interval, model.solver.step)
-    count = frames_for_each(model, step, step, ends.size)
+    steps, most = round(model.solver.interval / step), frames_for_each(model, step, step, ends.size)
+    count = divisor(steps, min(most, max(FEW, steps // 2)))
     return FinerFrames(count) if count > 1 else None
 
 
