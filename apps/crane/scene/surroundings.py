@@ -169,7 +169,7 @@ Elevation = Annotated[
     OneOf(
         "waves",
         {key: branch for key, branch in branches("m", "heave").items() if key in WAVES},
-        Branch(Annotated[Literal["vessel"], word("vessel")], str),
+        Branch(Annotated[Literal["vessel"], word("vessel", forms=[f"{{{way}: ...}}" for way in WAVES])], str),
         example="{spectrum: {significant_height: 1.5, peak_period: 8, ramp: 20}}, or vessel",
     ),
 ]

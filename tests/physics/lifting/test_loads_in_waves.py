@@ -7,6 +7,7 @@ rides on a long wave; scipy's integration of the law in docs/crane.md, written a
 from __future__ import annotations
 
 import json
+import re
 
 import numpy as np
 import pytest
@@ -227,14 +228,14 @@ def test_the_mass_matrix_of_equations_has_the_added_mass_of_the_time_that_is_ask
     ({"elevation": {"sum": [{"harmonic": {"amplitude": 1, "period": 8}},
                             {"harmonic": {"amplitude": 1, "period": 9, "ramp": 3}}]}}, {}, "several ramps"),
     ({"elevation": "vessel"}, {}, "the scene has no vessel"),
-    ({"elevation": "ship"}, {}, "vessel"),
+    ({"elevation": "ship"}, {}, "must be vessel, {spectrum: ...}, {harmonic: ...} or {sum: ...}"),
     (wave(), {"height": None}, "no body has a `height`"),
 ])  # fmt: skip
 def test_waves_that_are_none_are_refused(water, bodies, told):
     scene = in_waves(lifted(0.0, -1.0), water)
     if bodies:
         scene["bodies"] = [{k: x for k, x in scene["bodies"][0].items() if k not in ("height", "bottom")}]
-    with pytest.raises(SceneError, match=told):
+    with pytest.raises(SceneError, match=re.escape(told)):
         tautline.read(scene)
 
 
