@@ -19,6 +19,7 @@ from crane.geometry.quaternion import QUATERNION
 from crane.groups.arcs import Arcs, new_arcs
 from crane.groups.bends import Bends, new_bends, stencils
 from crane.groups.capstan_friction import SLIP, Slips
+from crane.groups.current import Current, new_current, no_current
 from crane.groups.hydrodynamics import NARROWEST, WET, Wet, new_wet
 from crane.groups.immersion import IMMERSED, Immersed
 from crane.groups.masses import BODY, Bodies, Releases, Rims, Springs
@@ -28,7 +29,7 @@ from crane.groups.span import BETWEEN, MATERIAL, SPAN, Spans, new_spans
 from crane.groups.waves import new_sea
 from crane.groups.winch import DRUM, WOUND, Drums, Supplies, WoundRope
 from crane.scene.bodies import Drag
-from crane.scene.scene import Body, Drum, End, Sheave
+from crane.scene.scene import Body, CraneScene, Drum, End, Sheave
 from crane.sea.waves import waves_of
 from tautline.kernels.time_function import TimeFunctions
 from tautline.scene.functions import Constant
@@ -243,7 +244,7 @@ def _bodies(layout: Layout) -> list[Maker]:
         let_go = np.zeros((len(mass), 2))
         # Without a release nothing is ever left of a body, and both are one.
         after = records_of(BODY, left) if releases else made
-        return Bodies(made, after, gravity, floor, gone, mass, kept, let_go, functions)
+        return Bodies(made, after, gravity, floor, gone, mass, kept, let_go, functions, _current(scene))
 
     return [
         bodies,
@@ -261,7 +262,9 @@ def _immersed(layout: Layout, gone: np.ndarray) -> list[Maker]:
     left = [row | _wet_row(layout, row["body"], scene.bodies[row["body"]].after_release()) for row in rows]
     made, after = records_of(IMMERSED, rows), records_of(IMMERSED, left)
     sea, surface = new_sea(waves_of(scene)), float(scene.water.surface)
-    group = Immersed(made, after, surface, gone, np.zeros((len(rows), 2)), sea, np.zeros(AXES), np.zeros(1))
+    group = Immersed(
+        made, after, surface, gone, np.zeros((len(rows), 2)), sea, _current(scene), np.zeros(AXES), np.zeros(1)
+    )
     return [partial(_constant, group)]
 
 
@@ -399,7 +402,16 @@ def _wet(layout: Layout, spans: Spans) -> Wet | None:
         "diameter": rope.diameter, "density": water.density, "drag": water.rope_drag, "added": water.added_mass
     }  # fmt: skip
     rows = [{"a": a, "b": b, **common} for a, b in pairwise(layout.station)]
-    return new_wet(records_of(WET, rows), water.surface, np.array(layout.scene.gravity, dtype=float), spans)
+    gravity = np.array(layout.scene.gravity, dtype=float)
+    return new_wet(records_of(WET, rows), water.surface, gravity, spans, _current(layout.scene))
+
+
+def _current(scene: CraneScene) -> Current:
+    """The current of a scene, with a scratch of its own."""
+    water = scene.water
+    if water is None or water.current is None:
+        return no_current()
+    return new_current(*water.current.rows, water.surface)
 
 
 def _rigids(layout: Layout) -> Rigids | None:

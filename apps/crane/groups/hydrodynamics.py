@@ -1,4 +1,4 @@
-"""Rope in still water: buoyancy, drag across the rope and added mass.
+"""Rope in water that is still or flows steadily: buoyancy, drag across the rope and added mass.
 
 The rope between two stations is their straight chord d of direction e, which holds L = p_b - p_a of unstretched rope of
 cross-section A; where a station is a sheave's that is its centre. All is per unstretched metre, so that rope keeps its
@@ -16,10 +16,14 @@ the part under water. Nothing of that is along r' and so none of it moves rope p
   a line which turns: the water does not notice them. Morison's own term has m (1 - e e^T) r.. alone, as most other
   programs do. The kinetic energy m n^2 / 2 is counted.
 
+In a current u(z) the water finds the rope move at r. - u: n and e.r. above are of that. A current changes neither the
+acceleration of water, which stays at its depth, nor the energy that is counted, (1 - e e^T) r. being taken of the rope
+as seen from the ground. How u changes with depth is left out of the tangent: it is the drag of a rope that moves by the
+change of u, beside the tension that holds it.
+
 Left out of added mass: the momentum of water that rope takes up as it comes in (slamming), the force along z that
 comes with it, and what water in motion carries from element to element at kinks, and away at the ends. What these
-would do is accounted for as work from outside. Nor is there motion of the water itself, drag along the rope, or
-vibration by vortices.
+would do is accounted for as work from outside. Nor are there waves, drag along the rope, or vibration by vortices.
 """
 
 from __future__ import annotations
@@ -30,6 +34,7 @@ from typing import NamedTuple
 import numpy as np
 
 from crane.geometry.line import AXES
+from crane.groups.current import Current, carry, flows, no_current
 from crane.groups.span import FIRST, LAST, MATERIAL, SIZE, STATION, Spans
 from tautline.kernels.dofs import add_block
 from tautline.kernels.groups import register
@@ -63,7 +68,7 @@ class Wet(NamedTuple):
     """Rope (n,) of ``WET`` in water below z = ``surface`` m, ``gravity`` (3,) m/s^2 being along -z.
 
     ``found`` (n, 9) and ``direction`` (n, 3) are those of the spans, whose tension at the marks the water's lift takes
-    part in. Scratch: ``number`` (14,), ``vector`` (12, 3) and ``block`` (8, 8).
+    part in. ``current`` is the water's. Scratch: ``number`` (14,), ``vector`` (12, 3) and ``block`` (8, 8).
     """
 
     rows: np.recarray
@@ -71,6 +76,7 @@ class Wet(NamedTuple):
     gravity: np.ndarray
     found: np.ndarray
     direction: np.ndarray
+    current: Current
     number: np.ndarray
     vector: np.ndarray
     block: np.ndarray
@@ -161,11 +167,17 @@ def _turn(g, n, v):
 
 
 @kernel
-def _pass(g, n, v, xi):
-    """Velocity of the chord at xi and its part across. Returns that along, and the rounded size of that across."""
+def _velocity(g, n, v, xi):
+    """Velocity of the chord at xi."""
     s, x = g.rows[n], g.vector
     for c in range(AXES):
         x[U, c] = (1.0 - xi) * v[s.a + c] + xi * v[s.b + c]
+
+
+@kernel
+def _part(g):
+    """Part of a velocity across the chord. Returns that along, and the rounded size of that across."""
+    x = g.vector
     along = dot(x[E], x[U])
     for c in range(AXES):
         x[N, c] = x[U, c] - along * x[E, c]
@@ -173,10 +185,22 @@ def _pass(g, n, v, xi):
 
 
 @kernel
-def _resist(g, n, v, a, xi):
+def _pass(g, n, q, v, xi):
+    """Velocity of the chord at xi past the water there, and its part across; returns what :func:`_part` does."""
+    _velocity(g, n, v, xi)
+    if flows(g.current):
+        s = g.rows[n]
+        carry(g.current, (1.0 - xi) * q[s.a + 2] + xi * q[s.b + 2])
+        for c in range(AXES):
+            g.vector[U, c] -= g.current.flow[c]
+    return _part(g)
+
+
+@kernel
+def _resist(g, n, q, v, a, xi):
     """Forces of the water at xi, less what it pushes. Returns what :func:`_pass` does."""
     s, x, number = g.rows[n], g.vector, g.number
-    along, size = _pass(g, n, v, xi)
+    along, size = _pass(g, n, q, v, xi)
     for c in range(AXES):
         x[ACCELERATION, c] = (1.0 - xi) * a[s.a + c] + xi * a[s.b + c] - 2.0 * along * x[E_D, c]
     push = dot(x[E], x[ACCELERATION])
@@ -206,7 +230,7 @@ def _residual(g, t, q, v, a, r):
         _turn(g, n, v)
         for k in range(2):
             xi = number[MEAN] + (2 * k - 1) * number[SPREAD]
-            _resist(g, n, v, a, xi)
+            _resist(g, n, q, v, a, xi)
             for c in range(AXES):
                 force = x[FORCE, c] + x[INERTIA, c]
                 r[s.a + c] += (1.0 - xi) * force
@@ -281,12 +305,12 @@ def _vary_forces(g, column, size, along, xi, d_xi, cm, cc, ck):
 
 
 @kernel
-def _add_point(g, n, k, v, a, cm, cc, ck):
+def _add_point(g, n, k, q, v, a, cm, cc, ck):
     """Add the forces at one point to a tangent."""
     x, number, block = g.vector, g.number, g.block
     side = 2 * k - 1
     xi = number[MEAN] + side * number[SPREAD]
-    along, size = _resist(g, n, v, a, xi)
+    along, size = _resist(g, n, q, v, a, xi)
     for column in range(2 * STATION):
         first, axis = column < STATION, column % STATION
         share = d_xi = 0.0
@@ -319,7 +343,7 @@ def _tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
             for c in range(AXES):
                 g.vector[D_DD, c] = a[s.b + c] - a[s.a + c]
             for k in range(2):
-                _add_point(g, n, k, v, a, cm, cc, ck)
+                _add_point(g, n, k, q, v, a, cm, cc, ck)
         add_block(matrix, dofs, s.a, s.b - s.a, STATION, g.block)
 
 
@@ -356,7 +380,8 @@ def _energy(g, t, q, v, energy):
             continue
         _find_chord(g, n, q)
         for k in range(2):
-            _pass(g, n, v, number[MEAN] + (2 * k - 1) * number[SPREAD])
+            _velocity(g, n, v, number[MEAN] + (2 * k - 1) * number[SPREAD])
+            _part(g)
             energy[0] += 0.5 * number[ADDED] * dot(x[N], x[N])
 
 
@@ -369,17 +394,18 @@ def _dissipation(g, t, q, v, p):
             continue
         _find_chord(g, n, q)
         for k in range(2):
-            _, size = _pass(g, n, v, number[MEAN] + (2 * k - 1) * number[SPREAD])
+            _, size = _pass(g, n, q, v, number[MEAN] + (2 * k - 1) * number[SPREAD])
             p[0] += number[DRAG] * size * dot(x[N], x[N])
 
 
 @kernel
 def _supply(g, t, q, v, p):
-    """What the kinetic energy of the water gains, from outside, by what is left out of its force."""
+    """What the kinetic energy of the water gains, from outside, by what is left out of its force; and what a current
+    does: with drag it works on rope that rests, and added mass meets rope at e.(r. - u)."""
     number, x = g.number, g.vector
     for n in range(g.rows.size):
         s = g.rows[n]
-        if s.added == 0.0:
+        if s.added == 0.0 and not flows(g.current):
             continue
         _immerse(g, n, q)
         if not _set_points(g, n):
@@ -390,10 +416,16 @@ def _supply(g, t, q, v, p):
         grown += (v[s.b + MATERIAL] - v[s.a + MATERIAL]) / number[LENGTH]
         for k in range(2):
             side = 2 * k - 1
-            along, _ = _pass(g, n, v, number[MEAN] + side * number[SPREAD])
-            square = dot(x[N], x[N])
-            turned = dot(x[N], x[E_D]) * (along + number[CHORD] * (d_mean + side * d_spread))
+            xi = number[MEAN] + side * number[SPREAD]
+            _velocity(g, n, v, xi)
+            along, _ = _part(g)
+            square, turns = dot(x[N], x[N]), dot(x[N], x[E_D])
+            turned = turns * (along + number[CHORD] * (d_mean + side * d_spread))
             p[0] += number[ADDED] * (0.5 * grown * square + turned)
+            if flows(g.current):
+                past, size = _pass(g, n, q, v, xi)
+                p[0] -= number[DRAG] * size * dot(x[N], g.current.flow)
+                p[0] -= 2.0 * number[ADDED] * (along - past) * turns
 
 
 register(
@@ -401,13 +433,16 @@ register(
 )
 
 
-def new_wet(rows: np.recarray, surface: float, gravity: np.ndarray, spans: Spans | None = None) -> Wet:
+def new_wet(
+    rows: np.recarray, surface: float, gravity: np.ndarray, spans: Spans | None = None, current: Current | None = None
+) -> Wet:
     """Group of rope in water with its scratch; the rows are those of the spans, where these are given."""
     found, direction = np.zeros((len(rows), SIZE)), np.zeros((len(rows), 3))
     if spans is not None:
         found, direction = spans.found, spans.start
     number, vector, block = np.zeros(14), np.zeros((12, 3)), np.zeros((2 * STATION, 2 * STATION))
-    return Wet(rows, float(surface), np.array(gravity, dtype=float), found, direction, number, vector, block)
+    water = no_current() if current is None else current
+    return Wet(rows, float(surface), np.array(gravity, dtype=float), found, direction, water, number, vector, block)
 
 
 __all__ = ["WET", "Wet", "new_wet"]

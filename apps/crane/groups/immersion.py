@@ -14,14 +14,15 @@ surface feels no jump of its forces; f with f' = s is the depth of what is under
   body as well. So the energy of body and water falls by m |s.| v^2 / 2 either way.
 
 In waves (`crane.groups.waves`) the surface is where they have it at the body's position, and water has a velocity u and
-an acceleration a_w: those in the middle of what is under water. The body is small beside the waves' length.
+an acceleration a_w: those in the middle of what is under water. The body is small beside the waves' length. A current
+adds its velocity there to u.
 
 - Drag is by v - u. Water that is pushed aside resists with s m (a - a_w), and while x grows it takes s. m (v - u).
 - The waves' pressure accelerates what was there in place of the body: the force s rho V a_w (Froude and Krylov).
 
 The energies are those of still water; what waves do beyond that is work from outside.
 
-Left out: current, the water that runs off a body or out of it, the moment of buoyancy, the pile-up of water beside a
+Left out: the water that runs off a body or out of it, the moment of buoyancy, the pile-up of water beside a
 body that comes in fast, and that bodies and vessel change the waves.
 """
 
@@ -32,6 +33,7 @@ from typing import NamedTuple
 import numpy as np
 
 from crane.geometry.line import AXES
+from crane.groups.current import Current, carry, flows
 from crane.groups.masses import BEFORE, NOW, supply_of_release
 from crane.groups.waves import ACCELERATION, VELOCITY, Sea, X, Y, Z, look, stir
 from tautline.kernels.dofs import add_entry
@@ -68,6 +70,7 @@ class Immersed(NamedTuple):
     gone: np.ndarray
     let_go: np.ndarray
     sea: Sea
+    current: Current
     leans: np.ndarray
     seen: np.ndarray
 
@@ -103,7 +106,11 @@ def _in_water(g, b, t, q):
     wet = g.surface + eta - q[b.place + Z] + b.bottom
     g.leans[X], g.leans[Y] = slope * g.sea.way[X] / b.height, slope * g.sea.way[Y] / b.height
     g.leans[Z] = -1.0 / b.height
-    stir(g.sea, t, eta, 0.5 * (max(wet, 0.0) + max(wet - b.height, 0.0)))
+    middle = 0.5 * (max(wet, 0.0) + max(wet - b.height, 0.0))
+    stir(g.sea, t, eta, middle)
+    carry(g.current, g.surface + eta - middle)
+    for c in range(AXES):
+        g.sea.moves[VELOCITY, c] += g.current.flow[c]
     return wet / b.height, eta_t / b.height
 
 
@@ -222,7 +229,7 @@ def _dissipation(g, t, q, v, p):
 def _supply(g, t, q, v, p):
     """What leaves with a load that drops, and what waves do: their work, and the rate of both energies beyond it."""
     supply_of_release(g, t, q, v, p)
-    if g.sea.rows.size == 0:
+    if g.sea.rows.size == 0 and not flows(g.current):
         return
     water = g.sea.moves
     for n in range(g.rows.size):

@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from crane.geometry.line import AXES
+from crane.groups.current import Current, carry
 from tautline.kernels.changes import COUNT
 from tautline.kernels.dofs import add_entry
 from tautline.kernels.groups import Edge, register
@@ -37,7 +38,7 @@ class Bodies(NamedTuple):
     ``gone`` (n, 2) is 1 for those that were released. ``mass`` (n,) is what each has in the step under way and ``kept``
     (n,) what it had after the last; ``let_go`` (n, 2) is the power, W, at which energy leaves with what is released: at
     the start of the step of its release, where an explicit method keeps its books, and at the end, where an implicit
-    one does.
+    one does. Drag is by the velocity past a ``current``.
     """
 
     rows: np.recarray
@@ -49,6 +50,7 @@ class Bodies(NamedTuple):
     kept: np.ndarray
     let_go: np.ndarray
     functions: TimeFunctions
+    current: Current
 
 
 @kernel
@@ -104,10 +106,12 @@ def _body_commit(g, t, h, q, v, a):
 def _body_residual(g, t, q, v, a, r):
     for n in range(g.rows.size):
         b = g.rows[n] if g.gone[n, NOW] == 0 else g.left[n]
+        carry(g.current, q[b.place + 2])
         for c in range(AXES):
             o = b.place + c
+            past = v[o] - g.current.flow[c]
             r[o] += (g.mass[n] + b.added[c]) * a[o] - g.mass[n] * g.gravity[c] - b.lift[c]
-            r[o] += b.linear[c] * v[o] + b.quadratic[c] * abs(v[o]) * v[o]
+            r[o] += b.linear[c] * past + b.quadratic[c] * abs(past) * past
             if b.functions[c] >= 0:
                 force, _, _ = evaluate(g.functions, b.functions[c], t)
                 r[o] -= force
@@ -132,9 +136,12 @@ def _body_mass(g, q, matrix, dofs):
 def _body_tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
     for n in range(g.rows.size):
         b = g.rows[n] if g.gone[n, NOW] == 0 else g.left[n]
+        carry(g.current, q[b.place + 2])
         for c in range(AXES):
             o = b.place + c
-            x = cm * (g.mass[n] + b.added[c]) + cc * (b.linear[c] + 2.0 * b.quadratic[c] * abs(v[o]))
+            x = cm * (g.mass[n] + b.added[c]) + cc * (
+                b.linear[c] + 2.0 * b.quadratic[c] * abs(v[o] - g.current.flow[c])
+            )
             add_entry(matrix, dofs, o, o, x)
         _, push = _ground(g, b, q, v)
         if push > 0.0:
@@ -182,9 +189,10 @@ def _body_energy(g, t, q, v, energy):
 def _body_dissipation(g, t, q, v, p):
     for n in range(g.rows.size):
         b = g.rows[n] if g.gone[n, NOW] == 0 else g.left[n]
+        carry(g.current, q[b.place + 2])
         for c in range(AXES):
-            o = b.place + c
-            p[0] += (b.linear[c] + b.quadratic[c] * abs(v[o])) * v[o] * v[o]
+            past = v[b.place + c] - g.current.flow[c]
+            p[0] += (b.linear[c] + b.quadratic[c] * abs(past)) * past * past
         depth, push = _ground(g, b, q, v)
         if depth > 0.0:
             x, y = v[b.place], v[b.place + 1]
@@ -203,7 +211,10 @@ def _body_supply(g, t, q, v, p):
         # asked for too: then nothing may be left.
         p[1] -= g.let_go[n, 0]
         g.let_go[n, 0] = 0.0
+        carry(g.current, q[b.place + 2])
         for c in range(AXES):
+            past = v[b.place + c] - g.current.flow[c]
+            p[0] -= (b.linear[c] + b.quadratic[c] * abs(past)) * past * g.current.flow[c]
             if b.functions[c] >= 0:
                 force, _, _ = evaluate(g.functions, b.functions[c], t)
                 p[0] += force * v[b.place + c]

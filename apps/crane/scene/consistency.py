@@ -216,6 +216,14 @@ def _water(scene: Scene) -> Iterator[Fault]:
             yield ("water", key), "the diameter of the rope is not given", "add `diameter:` to rope, or remove this"
     if scene.water.waves is not None:
         yield from _waves(scene)
+    if scene.water.current is not None and not scene.water.rope_drag and not any(_dragged(b) for b in scene.bodies):
+        cause = "acts on nothing: neither the rope nor a body has drag"
+        yield ("water", "current"), cause, "give water.rope_drag or a body `drag`, or remove this"
+
+
+def _dragged(body: Any) -> bool:
+    """Whether water that moves pulls at a body, before its release or after."""
+    return any(_acts(one.drag) for one in (body, body.after_release()))
 
 
 def _waves(scene: Scene) -> Iterator[Fault]:

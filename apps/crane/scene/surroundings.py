@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from itertools import pairwise
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import AfterValidator, Discriminator, Field, Tag, model_validator
 
@@ -15,7 +16,10 @@ from tautline.scene.reading.files import FileName
 from tautline.scene.refusal import fault, nearest, raise_all
 from tautline.scene.values.quantity import quantity
 from tautline.scene.values.units import UnknownUnit, read_unit
-from tautline.scene.vector import Position
+from tautline.scene.vector import Position, listed
+
+if TYPE_CHECKING:
+    import numpy as np
 
 ZERO = Constant(value=0.0)
 IN_SEA = ("heave", "pitch", "roll", "surge", "sway")
@@ -212,8 +216,83 @@ def _check_sines(elevation: Any) -> None:
         raise fault("elevation", "has terms of several ramps, and waves grow together", "give each the same `ramp`")
 
 
+DEPTHS = listed(None, "depths below the surface", "[0, 50, 400]")
+SPEEDS = listed(None, "a speed for each depth", "[0.9, 0.5, 0.1]")
+WAYS = listed(None, "a direction for each depth", "[30 deg, 30 deg, 60 deg]")
+
+
+class CurrentProfile(Model):
+    """A current by `depth` below the surface, m: `speed` m/s at each, and `direction` rad, which may be that of all.
+
+    Components of the velocity go along straight lines between the depths, and are constant beyond.
+    """
+
+    depth: Annotated[tuple[Annotated[float, quantity("m", nonnegative=True, of="depth")], ...], DEPTHS] = Field(
+        examples=["[0, 50, 400]"]
+    )
+    speed: Annotated[tuple[Annotated[float, quantity("m/s", nonnegative=True, of="speed")], ...], SPEEDS] = Field(
+        examples=["[0.9, 0.5, 0.1]"]
+    )
+    direction: Annotated[tuple[Annotated[float, quantity("rad", of="angle")], ...], WAYS] | None = None
+
+    @model_validator(mode="after")
+    def _rows(self) -> CurrentProfile:
+        for key in ("speed", "direction"):
+            given = getattr(self, key)
+            if given is not None and len(given) != len(self.depth):
+                cause = f"has {len(given)} entries, and depth has {len(self.depth)}"
+                raise fault(key, cause, f"give a {key} for every depth")
+        for i, (above, below) in enumerate(pairwise(self.depth), 1):
+            if not below > above:
+                cause = f"must be deeper than the one before ({above:g} m)"
+                raise fault(("depth", i), cause, "put the depths in increasing order, each once")
+        return self
+
+
+class Current(Model):
+    """A steady, level current, which moves all water at a depth alike.
+
+    Attributes
+    ----------
+    speed : float or None
+        At all depths, m/s; None where there is a `profile`.
+    direction : float
+        To which it flows, rad, from x towards y.
+    profile : CurrentProfile or None
+        By depth, in place of `speed`.
+    """
+
+    speed: Annotated[float, quantity("m/s", nonnegative=True, of="speed")] | None = None
+    direction: Annotated[float, quantity("rad", of="angle")] = 0.0
+    profile: CurrentProfile | None = None
+
+    @model_validator(mode="after")
+    def _one(self) -> Current:
+        if self.speed is None and self.profile is None:
+            raise fault("speed", "is missing", "give speed, such as 0.8 m/s, or a profile of depth and speed")
+        if self.speed is not None and self.profile is not None:
+            raise fault("speed", "is given, and a profile too", "keep one of them")
+        if self.profile is not None and self.profile.direction is not None and "direction" in self.model_fields_set:
+            raise fault("direction", "is given, and profile.direction too", "keep one of them")
+        return self
+
+    @property
+    def rows(self) -> tuple[np.ndarray, np.ndarray]:
+        """Depths (n,) m, and velocities (n, 2) m/s there."""
+        import numpy as np
+
+        if self.profile is None:
+            depth, speed, ways = np.zeros(1), np.full(1, self.speed), np.full(1, self.direction)
+        else:
+            depth, speed = np.array(self.profile.depth), np.array(self.profile.speed)
+            given = self.profile.direction
+            ways = np.full(depth.size, self.direction) if given is None else np.array(given)
+        return depth, np.stack([speed * np.cos(ways), speed * np.sin(ways)], axis=1)
+
+
 class Water(Model):
-    """Water below `surface`, m, still or with `waves`; `rope_drag`, `added_mass`: coefficients of the rope across it.
+    """Water below `surface`, m, with `waves` and a `current` or still; `rope_drag` and `added_mass` are coefficients of
+    the rope across it.
 
     Waves do not act on the rope.
     """
@@ -221,6 +300,7 @@ class Water(Model):
     surface: Annotated[float, quantity("m", of="position")] = Field(examples=["0"])
     density: Annotated[float, quantity("kg/m^3", positive=True, of="water density")] = Field(examples=["1025"])
     waves: WaterWaves | None = None
+    current: Current | None = None
     rope_drag: Annotated[float, quantity("", nonnegative=True, of="drag coefficient")] = 0.0
     added_mass: Annotated[float, quantity("", nonnegative=True, of="added mass coefficient")] = 0.0
 

@@ -1,0 +1,147 @@
+"""Rope and loads in a steady current.
+
+References: scipy's integration of a hanging cable from its load up, by Morison's drag across it; of a load on a spring
+that a current takes along; linear waves with a current added to them.
+"""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+import pytest
+from physics.lifting.crane_scenes import GRAVITY, anchor, body, crane, end, ran
+from physics.lifting.test_loads_in_waves import SIZE, TURN, in_waves, wave
+from physics.lifting.test_loads_through_the_surface import BOTTOM, HEIGHT, MASS, sprung
+from scipy.integrate import solve_ivp
+
+import tautline
+from tautline.scene.errors import SceneError
+
+DENSITY, DIAMETER, DRAG = 1025.0, 0.04, 1.2
+ROPE = {"mass_per_length": 8.0, "axial_stiffness": 4.0e9, "diameter": DIAMETER}
+LOAD, VOLUME, PUSHED = 3.0e3, 1.0, 4000.0
+PROFILE = {"depth": [0.0, 80.0, 250.0], "speed": [1.1, 0.6, 0.3], "direction": [0.0, 0.5, 2.0]}
+
+
+def flow(z):
+    """Velocity (2,) of the profile's water at a height."""
+    speed, way = np.array(PROFILE["speed"]), np.array(PROFILE["direction"])
+    return np.array([np.interp(-z, PROFILE["depth"], speed * part(way)) for part in (np.cos, np.sin)])
+
+
+def hanging(current, elements=40, **more):
+    load = body("load", LOAD, (0.0, 0.0, -300.0), volume=VOLUME, drag={"quadratic": [PUSHED] * 3})
+    water = {"surface": 0.0, "density": DENSITY, "rope_drag": DRAG, "current": current}
+    return crane(
+        [anchor((0.0, 0.0, 0.0)), end("load")], [load], ROPE, water=water, mesh={"elements_per_span": elements},
+        solver={"step": 0.05, "end": 1.0}, interval=0.5, **more,
+    )  # fmt: skip
+
+
+def from_the_load_up(place, length):
+    """Where a rope of an unstretched length, m, ends whose lower end holds the load at a place: (3,) m, and its tension
+    there, N."""
+    weight = ROPE["mass_per_length"] * GRAVITY - DENSITY * 0.25 * np.pi * DIAMETER**2 * GRAVITY
+
+    def rates(_, state):
+        pull = state[3:]
+        along = pull / np.linalg.norm(pull)
+        past = np.array([*flow(state[2]), 0.0])
+        across = past - (past @ along) * along
+        drag = 0.5 * DENSITY * DRAG * DIAMETER * np.linalg.norm(across) * across
+        stretched = 1.0 + np.linalg.norm(pull) / ROPE["axial_stiffness"]
+        return np.concatenate([stretched * along, [-drag[0], -drag[1], weight - drag[2]]])
+
+    here = flow(place[2])
+    begin = [*place, *(-PUSHED * np.abs(here) * here), (LOAD - DENSITY * VOLUME) * GRAVITY]
+    state = solve_ivp(rates, (0.0, length), begin, rtol=1e-10, atol=1e-9).y[:, -1]
+    return state[:3], np.linalg.norm(state[3:])
+
+
+def length_of(found):
+    """Unstretched length of the rope between its ends, m."""
+    return float(np.ptp(found["material_coordinate"][0]))
+
+
+def test_a_load_hangs_in_a_current_that_turns_with_depth_as_a_cable_integrated_from_it_up():
+    found = ran(hanging({"profile": PROFILE}))
+    load = found["body_position"][0, 0]
+    top, tension = from_the_load_up(load, length_of(found))
+    assert load[0] > 0.5 and load[1] > 2.0
+    assert top == pytest.approx(np.zeros(3), abs=5e-3)
+    assert found["tension"][0, 0, 0] == pytest.approx(tension, rel=1e-4)
+    # At rest, it stays there.
+    assert found["body_position"][-1, 0] == pytest.approx(load, abs=1e-6)
+
+
+def test_the_place_of_a_load_in_a_current_converges_with_the_square_of_the_mesh():
+    errors = []
+    for elements in (20, 40, 80):
+        found = ran(hanging({"profile": PROFILE}, elements))
+        errors.append(np.linalg.norm(from_the_load_up(found["body_position"][0, 0], length_of(found))[0]))
+    assert errors[0] > 3.0 * errors[1] > 9.0 * errors[2]
+
+
+def test_a_load_on_a_spring_is_taken_along_by_a_current_as_scipy_integrates_it():
+    stiffness, added, pushed, speed = 4.0e3, 800.0, 900.0, 1.4
+    scene = sprung(-8.0, 0.0, 12.0, added_mass=[added, 0.0, 0.0], drag={"quadratic": [pushed, 0.0, 0.0]})
+    scene["water"] = scene["water"] | {"current": {"speed": speed}}
+    held = {"guide": ["y", "z"], "spring": {"stiffness": [stiffness, 0.0, 0.0], "rest": [50.0, 0.0, 0.0]}}
+    scene["bodies"] = [scene["bodies"][0] | held]
+    found = ran(scene, energy=1e-6)
+
+    def rates(_, state):
+        past = speed - state[1]
+        return [state[1], (pushed * abs(past) * past - stiffness * state[0]) / (MASS + added)]
+
+    exact = solve_ivp(rates, (0.0, 12.0), [0.0, 0.0], rtol=1e-10, atol=1e-10, t_eval=found["time"], method="DOP853")
+    way = found["body_position"][:, 0, 0] - 50.0
+    assert way == pytest.approx(exact.y[0], abs=2e-4) and way.max() > 0.5
+
+
+def test_waves_and_a_current_move_the_water_together():
+    stiff, deep, pushed, speed = 5.0e7, 9.0, 900.0, 0.7
+    drag = {"quadratic": [pushed, 0.0, 0.0]}
+    scene = in_waves(sprung(-deep, 0.0, 21.0, stiff, added_mass=[0.0] * 3, volume=0.0, drag=drag), wave(ramp=10.0))
+    scene["water"]["current"] = {"speed": speed}
+    # It begins in balance with the current alone: nothing rings.
+    rest = 50.0 - pushed * speed**2 / stiff
+    held = {"guide": ["y", "z"], "spring": {"stiffness": [stiff, 0.0, 0.0], "rest": [rest, 0.0, 0.0]}}
+    scene["bodies"] = [scene["bodies"][0] | held]
+    found = ran(scene)
+    late, k = found["time"] > 12.0, TURN**2 / GRAVITY
+    eta = SIZE * np.sin(TURN * found["time"] - k * 50.0)
+    u = speed + SIZE * TURN * np.exp(-k * (deep + BOTTOM - 0.5 * HEIGHT + eta)) * np.sin(
+        TURN * found["time"] - k * 50.0
+    )
+    force = stiff * (found["body_position"][:, 0, 0] - rest)
+    assert force[late] == pytest.approx((pushed * np.abs(u) * u)[late], abs=0.02 * pushed * speed**2)
+
+
+def test_water_that_flows_at_no_speed_is_still_water():
+    still, flowing = hanging({"speed": 0.8}), hanging({"speed": 0.0})
+    del still["water"]["current"]
+    for name in ("position", "tension", "body_position"):
+        assert ran(flowing)[name] == pytest.approx(ran(still)[name], rel=1e-12, abs=1e-9)
+
+
+@pytest.mark.parametrize(("current", "told"), [
+    ({}, "speed: is missing"),
+    ({"speed": -0.5}, "must not be negative"),
+    ({"speed": 0.5, "profile": PROFILE}, "keep one of them"),
+    ({"profile": PROFILE, "direction": 1.0}, "profile.direction too"),
+    ({"profile": PROFILE | {"speed": [1.0, 0.5]}}, "has 2 entries, and depth has 3"),
+    ({"profile": PROFILE | {"depth": [0.0, 80.0, 80.0]}}, "must be deeper than the one before (80 m)"),
+    ({"profile": PROFILE | {"depth": []}}, "is an empty list"),
+])  # fmt: skip
+def test_currents_that_are_none_are_refused(current, told):
+    with pytest.raises(SceneError, match=re.escape(told)):
+        tautline.read(hanging(current))
+
+
+def test_a_current_that_acts_on_nothing_is_refused():
+    scene = hanging({"speed": 0.8})
+    scene["water"]["rope_drag"], scene["bodies"][0]["drag"] = 0.0, {}
+    with pytest.raises(SceneError, match="acts on nothing"):
+        tautline.read(scene)
