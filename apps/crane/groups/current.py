@@ -18,18 +18,21 @@ X, Y, Z = range(3)
 class Current(NamedTuple):
     """Velocity (n, 2), m/s along x and y, at ``depth`` (n,), m below z = ``surface`` m; n = 0 without a current.
 
-    Scratch: ``flow`` (3,), the velocity at a place.
+    Scratch: ``flow`` (3,), the velocity at a place, and ``shear`` (3,), how it changes upwards, 1/s.
     """
 
     depth: np.ndarray
     velocity: np.ndarray
     surface: float
     flow: np.ndarray
+    shear: np.ndarray
 
 
 def new_current(depth: np.ndarray, velocity: np.ndarray, surface: float) -> Current:
     """A current with its scratch."""
-    return Current(np.array(depth, float), np.array(velocity, float).reshape(-1, 2), float(surface), np.zeros(3))
+    return Current(
+        np.array(depth, float), np.array(velocity, float).reshape(-1, 2), float(surface), np.zeros(3), np.zeros(3)
+    )
 
 
 def no_current() -> Current:
@@ -45,7 +48,7 @@ def flows(current):
 
 @kernel
 def carry(current, z):
-    """Find the velocity (3,) of the water at a height, m/s: ``flow``."""
+    """Find the velocity (3,) of the water at a height, m/s, ``flow``, and how it changes upwards, 1/s, ``shear``."""
     flow, depth = current.flow, current.depth
     last = depth.size - 1
     if last < 0:
@@ -54,12 +57,16 @@ def carry(current, z):
     k = 0
     while k < last - 1 and deep > depth[k + 1]:
         k += 1
-    part = 0.0
+    part = steep = 0.0
     if last > 0:
-        part = min(max((deep - depth[k]) / (depth[k + 1] - depth[k]), 0.0), 1.0)
+        apart = depth[k + 1] - depth[k]
+        part = (deep - depth[k]) / apart
+        steep = -1.0 / apart if 0.0 < part < 1.0 else 0.0
+        part = min(max(part, 0.0), 1.0)
     for c in (X, Y):
         first = current.velocity[k, c]
-        flow[c] = first + part * (current.velocity[min(k + 1, last), c] - first)
+        change = current.velocity[min(k + 1, last), c] - first
+        flow[c], current.shear[c] = first + part * change, steep * change
 
 
 __all__ = ["Current", "carry", "flows", "new_current", "no_current"]

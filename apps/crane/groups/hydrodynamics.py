@@ -18,8 +18,7 @@ the part under water. Nothing of that is along r' and so none of it moves rope p
 
 In a current u(z) the water finds the rope move at r. - u: n and e.r. above are of that. A current changes neither the
 acceleration of water, which stays at its depth, nor the energy that is counted, (1 - e e^T) r. being taken of the rope
-as seen from the ground. How u changes with depth is left out of the tangent: it is the drag of a rope that moves by the
-change of u, beside the tension that holds it.
+as seen from the ground.
 
 Left out of added mass: the momentum of water that rope takes up as it comes in (slamming), the force along z that
 comes with it, and what water in motion carries from element to element at kinks, and away at the ends. What these
@@ -278,10 +277,12 @@ def _vary_forces(g, column, size, along, xi, d_xi, cm, cc, ck):
     sign, part = (-1.0, 1.0 - xi) if first else (1.0, xi)
     e, e_by, u_by, force_by = x[E], x[E_BY], x[U_BY], x[FORCE_BY]
     h = 1.0 / number[CHORD] if number[CHORD] > 0.0 else 0.0
+    # By how much the point rises, into water that flows otherwise.
+    higher = (part * ck if axis == 2 else 0.0) + e[2] * number[CHORD] * d_xi
     for c in range(AXES):
         own = 1.0 if c == axis else 0.0
         e_by[c] = sign * ck * (own - e[axis] * e[c]) * h
-        u_by[c] = part * cc * own + x[D_D, c] * d_xi
+        u_by[c] = part * cc * own + x[D_D, c] * d_xi - g.current.shear[c] * higher
     d_along = dot(e_by, x[U]) + dot(e, u_by)
     d_size = 0.0
     for c in range(AXES):

@@ -35,7 +35,22 @@ import numpy as np
 from crane.geometry.line import AXES
 from crane.groups.current import Current, carry, flows
 from crane.groups.masses import BEFORE, NOW, supply_of_release
-from crane.groups.waves import ACCELERATION, VELOCITY, Sea, X, Y, Z, look, stir
+from crane.groups.waves import (
+    ACCELERATION,
+    ALONG,
+    DEEPER,
+    RATE,
+    SLOPE,
+    VELOCITY,
+    Sea,
+    X,
+    Y,
+    Z,
+    look,
+    stir,
+    stretched_of,
+    vary,
+)
 from tautline.kernels.dofs import add_entry
 from tautline.kernels.groups import register
 from tautline.kernels.jit import kernel
@@ -61,7 +76,8 @@ class Immersed(NamedTuple):
 
     ``gone`` (bodies, 2) is that of `crane.groups.masses.Bodies`. ``let_go`` (n, 2) W is, as there, the power at which
     the water's energy leaves with what is released. Scratch: ``leans`` (3,), how x changes with the position, 1/m;
-    ``seen`` (1,), the time at which the residual was asked for last, s, as masses are asked for without a time.
+    ``moved`` (2, 3, 3) and ``hurried`` (3,), how the water's motion and the rate of x at a body change with its
+    position; ``seen`` (1,), the time at which the residual was asked for last, s, as masses are asked for without one.
     """
 
     rows: np.recarray
@@ -72,7 +88,14 @@ class Immersed(NamedTuple):
     sea: Sea
     current: Current
     leans: np.ndarray
+    moved: np.ndarray
+    hurried: np.ndarray
     seen: np.ndarray
+
+
+def new_scratch() -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """The last four fields of `Immersed`."""
+    return np.zeros(AXES), np.zeros((2, AXES, AXES)), np.zeros(AXES), np.zeros(1)
 
 
 @kernel
@@ -112,6 +135,32 @@ def _in_water(g, b, t, q):
     for c in range(AXES):
         g.sea.moves[VELOCITY, c] += g.current.flow[c]
     return wet / b.height, eta_t / b.height
+
+
+@kernel
+def _vary(g, b, t, q, v):
+    """How the motion of the water, and the rate of x, change with the position of a body where it was looked at."""
+    sea, moved = g.sea, g.moved
+    eta, _, slope = look(sea, t, q[b.place + X], q[b.place + Y])
+    wet = g.surface + eta - q[b.place + Z] + b.bottom
+    middle = 0.5 * (max(wet, 0.0) + max(wet - b.height, 0.0))
+    follows = 0.5 * ((1.0 if wet > 0.0 else 0.0) + (1.0 if wet > b.height else 0.0))
+    vary(sea, t, eta, middle)
+    _, by_middle, by_eta = stretched_of(sea, eta, middle)
+    carry(g.current, g.surface + eta - middle)
+    for d in range(AXES):
+        way = sea.way[d] if d < Z else 0.0
+        raised = slope * way
+        deeper = follows * (raised - (1.0 if d == Z else 0.0))
+        stretched = by_middle * deeper + by_eta * raised
+        for k in range(2):
+            for c in range(AXES):
+                moved[k, c, d] = sea.by[ALONG, k, c] * way + sea.by[DEEPER, k, c] * stretched
+        turns = sea.bends[RATE]
+        for c in (X, Y):
+            moved[VELOCITY, c, d] += g.current.shear[c] * (raised - deeper)
+            turns += sea.bends[SLOPE] * sea.way[c] * v[b.place + c]
+        g.hurried[d] = turns * way / b.height
 
 
 @kernel
@@ -178,29 +227,35 @@ def _mass(g, q, matrix, dofs):
 
 @kernel
 def _tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
-    """How u and a_w change with the position is left out: it is k times the height of the waves beside what is here."""
     water = g.sea.moves
+    moving = ck != 0.0 and (g.sea.rows.size > 0 or flows(g.current))
     for n in range(g.rows.size):
         b = g.rows[n] if g.gone[g.rows[n].body, NOW] == 0 else g.left[n]
         x, rises = _in_water(g, b, t, q)
         bend, slope, share, _ = share_of(x)
         if share == 0.0:
             continue
+        if moving:
+            _vary(g, b, t, q, v)
         rate = max(0.0, _rate(g, b, rises, v))
         for c in range(AXES):
             o = b.place + c
             past, added = v[o] - water[VELOCITY, c], b.added[c]
             drag = b.linear[c] + b.quadratic[c] * abs(past)
-            own = cm * share * added + cc * share * (drag + b.quadratic[c] * abs(past))
-            add_entry(matrix, dofs, o, o, own + cc * slope * rate * added)
+            own = share * (drag + b.quadratic[c] * abs(past)) + slope * rate * added
+            add_entry(matrix, dofs, o, o, cm * share * added + cc * own)
             deeper = slope * (added * (a[o] - water[ACCELERATION, c]) - b.displaced * water[ACCELERATION, c])
             deeper += slope * drag * past + bend * rate * added * past
             if c == Z:
                 deeper -= b.buoyancy * slope
-            faster = cc * slope * added * past if rate > 0.0 else 0.0
+            faster = slope * added * past if rate > 0.0 else 0.0
             for d in range(AXES):
-                if g.leans[d] != 0.0:
-                    add_entry(matrix, dofs, o, b.place + d, (ck * deeper + faster) * g.leans[d])
+                by = (ck * deeper + cc * faster) * g.leans[d]
+                if moving:
+                    pushed = share * (added + b.displaced) * g.moved[ACCELERATION, c, d] + own * g.moved[VELOCITY, c, d]
+                    by += ck * (faster * g.hurried[d] - pushed)
+                if by != 0.0:
+                    add_entry(matrix, dofs, o, b.place + d, by)
 
 
 @kernel

@@ -139,10 +139,10 @@ def _body_tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
         carry(g.current, q[b.place + 2])
         for c in range(AXES):
             o = b.place + c
-            x = cm * (g.mass[n] + b.added[c]) + cc * (
-                b.linear[c] + 2.0 * b.quadratic[c] * abs(v[o] - g.current.flow[c])
-            )
-            add_entry(matrix, dofs, o, o, x)
+            drag = b.linear[c] + 2.0 * b.quadratic[c] * abs(v[o] - g.current.flow[c])
+            add_entry(matrix, dofs, o, o, cm * (g.mass[n] + b.added[c]) + cc * drag)
+            if g.current.shear[c] != 0.0:
+                add_entry(matrix, dofs, o, b.place + 2, -ck * drag * g.current.shear[c])
         _, push = _ground(g, b, q, v)
         if push > 0.0:
             z = b.place + 2

@@ -12,7 +12,7 @@ from cranes.hooks import Hooks, run
 from scipy.integrate import quad
 
 from crane.groups.current import no_current
-from crane.groups.immersion import EDGE, IMMERSED, Immersed, share_of
+from crane.groups.immersion import EDGE, IMMERSED, Immersed, new_scratch, share_of
 from crane.groups.waves import new_sea
 from tautline.elements.nodal.node import PointMasses
 from tautline.results.assessment.balance import ENERGIES
@@ -29,7 +29,7 @@ def group(buoyancy=BUOYANCY, added=ADDED, linear=LINEAR, quadratic=QUADRATIC, wa
     rows = np.zeros(1, IMMERSED).view(np.recarray)
     rows[0] = (0, 0, HEIGHT, BOTTOM, buoyancy, DISPLACED, added, linear, quadratic)
     still = np.zeros((1, 2), np.int64), np.zeros((1, 2))
-    return Immersed(rows, rows.copy(), SURFACE, *still, new_sea(waves), no_current(), np.zeros(3), np.zeros(1))
+    return Immersed(rows, rows.copy(), SURFACE, *still, new_sea(waves), no_current(), *new_scratch())
 
 
 @cache

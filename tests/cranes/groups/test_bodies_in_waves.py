@@ -10,6 +10,7 @@ import pytest
 from cranes.groups.test_bodies_at_the_surface import BOTTOM, HEIGHT, SURFACE, group
 from cranes.hooks import Hooks
 
+from crane.groups.current import new_current
 from crane.groups.waves import ACCELERATION, VELOCITY, look, new_sea, stir
 from tautline.kernels.jit import in_python
 from tautline.system.waves import Waves, wave_number
@@ -82,17 +83,21 @@ def test_while_waves_grow_the_acceleration_is_the_rate_of_the_velocity_and_the_r
 
 
 @cache
-def hooks(depth=np.inf, ramp=0.0):
-    return Hooks((group(waves=waves(depth, ramp)),), 3, [np.arange(3)])
+def hooks(depth=np.inf, ramp=0.0, size=1.0, shear=False):
+    """A body in waves, which a current that changes with depth may go with."""
+    made = group(waves=waves(depth, ramp, size))
+    if shear:
+        made = made._replace(current=new_current([0.0, 0.7, 15.0], [[1.2, 0.3], [0.5, -0.4], [-0.1, 0.1]], SURFACE))
+    return Hooks((made,), 3, [np.arange(3)])
 
 
 LOWEST = {"half": -1.0, "nearly in": -1.99, "just in": -2.01, "deep": -12.0}
 
 
-def state(lowest, rising):
+def state(lowest, rising, **sea):
     """Positions by how high the lowest point is above the surface as it is, and relative to it in or out."""
     q, v, a = np.random.default_rng(3).normal(size=(3, 3))
-    (eta, _, _), (u, _) = moves(waves(), TIME, q[0], q[1], 0.0)
+    (eta, _, _), (u, _) = moves(waves(**sea), TIME, q[0], q[1], 0.0)
     q[2], v[2] = SURFACE + eta + lowest + BOTTOM, u[2] + (0.9 if rising else -0.9)
     return q, v, a
 
@@ -113,12 +118,14 @@ def test_a_body_that_moves_with_the_water_loses_nothing():
 
 @pytest.mark.parametrize("rising", [True, False], ids=["out", "in"])
 @pytest.mark.parametrize("weights", [(1, 0, 0), (0, 1, 0), (0, 0, 1)], ids=["mass", "damping", "stiffness"])
-@pytest.mark.parametrize("lowest", [-1.0, -1.99], ids=["half", "nearly in"])
-def test_the_tangent_is_the_residuals_difference_but_for_how_the_waters_motion_changes_with_place(
-    lowest, weights, rising
-):
-    error = hooks().tangent_error(*state(lowest, rising), *weights, h=1e-5, t=TIME)
-    assert error < (0.1 if weights[2] else 1e-7)
+@pytest.mark.parametrize("lowest", LOWEST.values(), ids=LOWEST)
+@pytest.mark.parametrize(
+    "sea", [{}, {"ramp": 40.0}, {"depth": 9.0}, {"size": 3.0, "depth": 14.0}, {"shear": True}], ids=str
+)
+def test_the_tangent_is_the_residuals_difference(sea, lowest, weights, rising):
+    """How the water's motion changes with place is in it, over any depth and while waves grow."""
+    wave = {key: value for key, value in sea.items() if key != "shear"}
+    assert hooks(**sea).tangent_error(*state(lowest, rising, **wave), *weights, h=1e-5, t=TIME) < 1e-6
 
 
 def test_small_waves_leave_the_stiffness_that_of_still_water():

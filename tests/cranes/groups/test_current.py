@@ -65,6 +65,13 @@ def test_power_is_what_is_stored_and_lost_and_what_the_current_puts_in(heights, 
     assert rope(kind).imbalance(*state(heights), 1e-4) < 1e-7
 
 
+@pytest.mark.parametrize("weights", [(1, 0, 0), (0, 1, 0), (0, 0, 1)], ids=["mass", "damping", "stiffness"])
+@pytest.mark.parametrize("heights", WET_ONES.values(), ids=WET_ONES)
+def test_the_tangent_of_rope_is_the_residuals_difference_where_a_current_changes_with_depth(heights, weights):
+    h = 2e-5 if weights[2] else 1e-3
+    assert rope("sheared").tangent_error(*state(heights), *weights, h=h) < 1e-7
+
+
 @pytest.mark.parametrize("sinking", [True, False], ids=["in", "out"])
 @pytest.mark.parametrize("lowest", WET_LOADS.values(), ids=WET_LOADS)
 def test_power_of_a_load_is_what_is_stored_and_lost_and_what_the_current_puts_in(lowest, sinking):
