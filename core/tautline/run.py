@@ -276,6 +276,7 @@ class Run:
             pushed=found.pushes > 0,
             side=found.side,
             aside=self.model.aside,
+            carried=self.model.carried,
             at_rest={name: np.asarray(values).tolist() for name, values in at_rest.items()},
         )
 

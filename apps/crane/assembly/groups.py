@@ -21,7 +21,7 @@ from crane.groups.bends import Bends, new_bends, stencils
 from crane.groups.capstan_friction import SLIP, Slips
 from crane.groups.current import Current, new_current, no_current
 from crane.groups.hydrodynamics import NARROWEST, WET, Wet, new_wet
-from crane.groups.immersion import IMMERSED, Immersed
+from crane.groups.immersion import IMMERSED, Immersed, new_scratch
 from crane.groups.masses import BODY, Bodies, Releases, Rims, Springs
 from crane.groups.rigid import FREQUENCY, RIGID, Rigids, new_rigids
 from crane.groups.sockets import SOCKET, Sockets, new_sockets
@@ -262,9 +262,7 @@ def _immersed(layout: Layout, gone: np.ndarray) -> list[Maker]:
     left = [row | _wet_row(layout, row["body"], scene.bodies[row["body"]].after_release()) for row in rows]
     made, after = records_of(IMMERSED, rows), records_of(IMMERSED, left)
     sea, surface = new_sea(waves_of(scene)), float(scene.water.surface)
-    group = Immersed(
-        made, after, surface, gone, np.zeros((len(rows), 2)), sea, _current(scene), np.zeros(AXES), np.zeros(1)
-    )
+    group = Immersed(made, after, surface, gone, np.zeros((len(rows), 2)), sea, _current(scene), *new_scratch())
     return [partial(_constant, group)]
 
 

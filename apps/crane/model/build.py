@@ -106,6 +106,7 @@ def build(scene: CraneScene, functions: TimeFunctions | None = None) -> Model:
         at_rest=observer.at_rest,
         memory={"hangs": observer.hangs},
         other_start="as drawn",
+        carried="the current" if scene.water is not None and scene.water.current is not None else "",
         handles=lambda: handles(made, stored, places),
         cause=lambda state, status: (
             two_blocking(layout, system, state, status) or wound_up(layout, system, state, status)

@@ -228,7 +228,9 @@ def _rest(result: Any, layout: Layout) -> tuple[np.ndarray, str]:
     found = static_tension(layout.scene, layout.path)
     # What nobody can estimate is amplified over nothing.
     none = np.zeros(np.size(at_start(result, "tension")))
-    return (none if found is None else found.ravel()), ", tension at rest estimated"
+    water = layout.scene.water
+    still = " in still water" if water is not None and water.current is not None else ""
+    return (none if found is None else found.ravel()), f", tension at rest{still} estimated"
 
 
 def _hung(result: Any, layout: Layout) -> tuple[np.ndarray, str]:

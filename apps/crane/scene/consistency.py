@@ -216,14 +216,18 @@ def _water(scene: Scene) -> Iterator[Fault]:
             yield ("water", key), "the diameter of the rope is not given", "add `diameter:` to rope, or remove this"
     if scene.water.waves is not None:
         yield from _waves(scene)
-    if scene.water.current is not None and not scene.water.rope_drag and not any(_dragged(b) for b in scene.bodies):
-        cause = "acts on nothing: neither the rope nor a body has drag"
+    if scene.water.current is not None and not (scene.water.rope_drag or any(_carried(b) for b in scene.bodies)):
+        cause = "acts on nothing: neither the rope nor a body has drag along x or y"
         yield ("water", "current"), cause, "give water.rope_drag or a body `drag`, or remove this"
 
 
-def _dragged(body: Any) -> bool:
-    """Whether water that moves pulls at a body, before its release or after."""
-    return any(_acts(one.drag) for one in (body, body.after_release()))
+def _carried(body: Any) -> bool:
+    """Whether water that flows takes a body along, before its release or after: by drag, or as it comes in."""
+    for one in (body, body.after_release()):
+        comes_in = one.added_mass[:2] if one.height is not None else ()
+        if any((*one.drag.linear[:2], *one.drag.quadratic[:2], *comes_in)):
+            return True
+    return False
 
 
 def _waves(scene: Scene) -> Iterator[Fault]:

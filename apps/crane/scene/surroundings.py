@@ -221,6 +221,10 @@ SPEEDS = listed(None, "a speed for each depth", "[0.9, 0.5, 0.1]")
 WAYS = listed(None, "a direction for each depth", "[30 deg, 30 deg, 60 deg]")
 
 
+def _entries(given: tuple[float, ...]) -> str:
+    return "1 entry" if len(given) == 1 else f"{len(given)} entries"
+
+
 class CurrentProfile(Model):
     """A current by `depth` below the surface, m: `speed` m/s at each, and `direction` rad, which may be that of all.
 
@@ -230,8 +234,8 @@ class CurrentProfile(Model):
     depth: Annotated[tuple[Annotated[float, quantity("m", nonnegative=True, of="depth")], ...], DEPTHS] = Field(
         examples=["[0, 50, 400]"]
     )
-    speed: Annotated[tuple[Annotated[float, quantity("m/s", nonnegative=True, of="speed")], ...], SPEEDS] = Field(
-        examples=["[0.9, 0.5, 0.1]"]
+    speed: Annotated[tuple[Annotated[float, quantity("m/s", nonnegative=True, of="current speed")], ...], SPEEDS] = (
+        Field(examples=["[0.9, 0.5, 0.1]"])
     )
     direction: Annotated[tuple[Annotated[float, quantity("rad", of="angle")], ...], WAYS] | None = None
 
@@ -240,7 +244,7 @@ class CurrentProfile(Model):
         for key in ("speed", "direction"):
             given = getattr(self, key)
             if given is not None and len(given) != len(self.depth):
-                cause = f"has {len(given)} entries, and depth has {len(self.depth)}"
+                cause = f"has {_entries(given)}, and depth has {len(self.depth)}"
                 raise fault(key, cause, f"give a {key} for every depth")
         for i, (above, below) in enumerate(pairwise(self.depth), 1):
             if not below > above:
@@ -262,7 +266,7 @@ class Current(Model):
         By depth, in place of `speed`.
     """
 
-    speed: Annotated[float, quantity("m/s", nonnegative=True, of="speed")] | None = None
+    speed: Annotated[float, quantity("m/s", nonnegative=True, of="current speed")] | None = None
     direction: Annotated[float, quantity("rad", of="angle")] = 0.0
     profile: CurrentProfile | None = None
 

@@ -90,6 +90,8 @@ class Model:
     aside : str
         Sentence on how to choose the side to which the scene is pushed out of unstable balance; empty where it is drawn
         there.
+    carried : str
+        What may hold a static start far from the drawing: ``the current``; empty where nothing does.
     limits : callable or None
         Result -> records of what it is judged by (`tautline.results.assessment.limits`).
     remarks : callable or None
@@ -148,6 +150,7 @@ class Model:
     settle: Callable[[Any], Any] | None = None
     other_start: str = "relaxed"
     aside: str = ""
+    carried: str = ""
     limits: Callable[[Any], list[dict[str, Any]]] | None = None
     figures: Callable[[Any, Collection[str]], dict[str, dict[str, Any]]] | None = None
     handles: Callable[[], Handles] | None = None

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from physics.lifting.crane_scenes import GRAVITY, anchor, body, crane, end, ran
 from physics.lifting.test_loads_in_waves import SIZE, TURN, in_waves, wave
-from physics.lifting.test_loads_through_the_surface import BOTTOM, HEIGHT, MASS, sprung
+from physics.lifting.test_loads_through_the_surface import BOTTOM, HEIGHT, MASS, lifted, sprung
 from scipy.integrate import solve_ivp
 
 import tautline
@@ -30,8 +30,8 @@ def flow(z):
     return np.array([np.interp(-z, PROFILE["depth"], speed * part(way)) for part in (np.cos, np.sin)])
 
 
-def hanging(current, elements=40, **more):
-    load = body("load", LOAD, (0.0, 0.0, -300.0), volume=VOLUME, drag={"quadratic": [PUSHED] * 3})
+def hanging(current, elements=40, drawn=-300.0, **more):
+    load = body("load", LOAD, (0.0, 0.0, drawn), volume=VOLUME, drag={"quadratic": [PUSHED] * 3})
     water = {"surface": 0.0, "density": DENSITY, "rope_drag": DRAG, "current": current}
     return crane(
         [anchor((0.0, 0.0, 0.0)), end("load")], [load], ROPE, water=water, mesh={"elements_per_span": elements},
@@ -81,6 +81,43 @@ def test_the_place_of_a_load_in_a_current_converges_with_the_square_of_the_mesh(
         found = ran(hanging({"profile": PROFILE}, elements))
         errors.append(np.linalg.norm(from_the_load_up(found["body_position"][0, 0], length_of(found))[0]))
     assert errors[0] > 3.0 * errors[1] > 9.0 * errors[2]
+
+
+@pytest.mark.parametrize(("pushed", "profile"), [
+    (2.0e4, {"depth": [290.0, 310.0], "speed": [0.0, 1.0]}),
+    (6.0e4, {"depth": [290.0, 300.0], "speed": [0.0, 0.5]}),
+    (2.0e4, {"depth": [0.0, 250.0, 290.0, 400.0], "speed": [0.3, 0.5, 1.5, 0.4]}),
+])  # fmt: skip
+def test_a_load_hangs_where_the_current_grows_with_depth(pushed, profile, monkeypatch):
+    """There the further down it hangs the harder it is pushed: without the change of the current no start was found."""
+    monkeypatch.setitem(PROFILE, "depth", profile["depth"])
+    monkeypatch.setitem(PROFILE, "speed", profile["speed"])
+    monkeypatch.setitem(PROFILE, "direction", [0.4] * len(profile["depth"]))
+    monkeypatch.setattr("physics.lifting.test_loads_in_a_current.PUSHED", pushed)
+    found = ran(hanging({"profile": profile, "direction": 0.4}, drawn=-295.0))
+    top, tension = from_the_load_up(found["body_position"][0, 0], length_of(found))
+    assert top == pytest.approx(np.zeros(3), abs=0.05)
+    assert found["tension"][0, 0, 0] == pytest.approx(tension, rel=1e-4)
+
+
+@pytest.mark.parametrize("case", ["waves", "current"])
+def test_first_order_equations_of_loads_in_moving_water_change_as_their_tangent_says(case):
+    """Against differences of the equations: in waves the slow swing had the wrong sign."""
+    if case == "waves":
+        scene = in_waves(lifted({"ramp": {"to": -0.1, "over": 3.0}}, -1.2), wave())
+    else:
+        scene = hanging({"profile": PROFILE}, 4)
+    sim = tautline.Simulation(scene)
+    sim.advance(0.8)
+    equations = sim.equations
+    t, q, v = equations.state()
+    y, h = np.concatenate([q, v]), 1e-6
+    columns = [equations.first_order(t, y + h * e) - equations.first_order(t, y - h * e) for e in np.eye(y.size)]
+    exact, found = np.stack(columns, axis=1) / (2.0 * h), np.asarray(equations.first_order_tangent(t, y))
+    assert np.abs(found - exact).max() < 1e-5 * np.abs(exact).max()
+    # What swings slowly is small beside how ropes stretch: the row of the load's own acceleration along x.
+    row = q.size + int(np.argmax(np.abs(exact[q.size :, :]).max(axis=1) > 0.0))
+    assert found[row] == pytest.approx(exact[row], abs=1e-5 * np.abs(exact[row]).max())
 
 
 def test_a_load_on_a_spring_is_taken_along_by_a_current_as_scipy_integrates_it():
@@ -138,6 +175,25 @@ def test_water_that_flows_at_no_speed_is_still_water():
 def test_currents_that_are_none_are_refused(current, told):
     with pytest.raises(SceneError, match=re.escape(told)):
         tautline.read(hanging(current))
+
+
+def test_a_load_that_the_current_carries_far_is_told_as_carried_by_it():
+    found = ran(hanging({"speed": 2.0}, 10))
+    told = [text for text in found.attributes["warnings"] if "far from the initial geometry" in text]
+    assert len(told) == 1 and told[0].endswith("Look at the first frame: it is where the current holds it")
+
+
+def test_an_amplification_of_a_scene_as_drawn_in_a_current_says_that_it_is_over_still_water():
+    found = ran(hanging({"speed": 0.8}, 10, start="as drawn"))
+    assert "tension at rest in still water estimated" in found.headline["dynamic_amplification"]["text"]
+
+
+def test_a_current_that_takes_along_what_comes_in_acts():
+    scene = lifted({"ramp": {"to": 0.5, "over": 3.0}}, 3.0, added_mass=[300.0, 300.0, 500.0])
+    still = ran(scene)["body_position"][:, 0, 0]
+    scene["water"] = scene["water"] | {"current": {"speed": 0.8}}
+    swing = ran(scene)["body_position"][:, 0, 0] - still
+    assert np.abs(swing).max() > 0.05 and swing[np.abs(swing) > 0.01][0] > 0.0
 
 
 def test_a_current_that_acts_on_nothing_is_refused():

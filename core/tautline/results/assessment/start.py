@@ -45,6 +45,8 @@ class Start:
         equilibrium, whose side is arbitrary.
     aside : str
         Sentence on how to choose the side to which it is pushed, where that is not by drawing it there.
+    carried : str
+        What may hold the scene far from its drawing: ``the current``; empty where nothing does.
     at_rest : mapping
         Variables of a static start as they are before anything moves, by name: numbers, or lists of them as deep as
         the variable has dimensions beside time. Empty where no figure is over them.
@@ -59,6 +61,7 @@ class Start:
     pushed: bool = False
     side: str = "drawn"
     aside: str = ""
+    carried: str = ""
     at_rest: Mapping[str, Any] = field(default_factory=dict)
 
     @classmethod
@@ -101,9 +104,14 @@ class Start:
                 "perturbed there, and came to rest from there. Look at the first frame"
             )
         if self.far:
+            closer = (
+                f": it is where {self.carried} holds it"
+                if self.carried
+                else ", and give positions closer to those at rest"
+            )
             told.append(
                 f"the static start lies far from the initial geometry: {self.moved_most} has moved by "
-                f"{self.moved:.3g} m. Look at the first frame, and give positions closer to those at rest"
+                f"{self.moved:.3g} m. Look at the first frame{closer}"
             )
         return told
 

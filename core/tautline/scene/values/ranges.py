@@ -85,6 +85,7 @@ RANGES: dict[str, Range] = {
     # Forces and masses.
     "gravity": Range("m/s^2", 1e-6, 30.0, ("ft/s^2", "cm/s^2", "mm/s^2"), "a planet's: 9.81 on ours, 24.8 on Jupiter"),
     "speed": Range("m/s", 0.0, 500.0, ("mm/s", "ft/min", "m/min"), "a snapping rope is below"),
+    "current speed": Range("m/s", 0.0, 8.0, ("kn", "cm/s", "ft/s"), "the strongest tidal race"),
     "acceleration": Range("m/s^2", 0.0, 1e5, ("mm/s^2",), "a snapping rope is below"),
     "angular speed": Range("rad/s", 0.0, 1e4, ("rpm", "deg/s"), "a motor of the laboratory"),
     "angular acceleration": Range("rad/s^2", 0.0, 1e6, ("deg/s^2",), "a motor of the laboratory"),
@@ -205,6 +206,7 @@ EXAMPLES = {
     "time simulated": "60 s", "interval of frames": "50 ms", "moment": "10 s", "duration": "5 s", "period": "8 s",
     "delay": "20 ms", "step error": "1 mm", "position": "12 m", "length": "30 m", "distance": "12 m",
     "material coordinate": "30 m", "inclination": "30 deg", "speed": "2 m/s", "spring stiffness": "100 kN/m",
+    "current speed": "0.8 m/s",
     "axial stiffness": "50 MN", "mass per length": "4.5 kg/m", "rope diameter": "28 mm", "breaking load": "500 kN",
     "flow speed": "15 m/s", "radius of a sheave or drum": "300 mm", "bearing radius": "50 mm", "groove angle": "45 deg",
     "fleet angle": "2 deg", "surge or sway": "2 m", "heave": "1.5 m", "roll or pitch": "3 deg", "yaw": "3 deg",
