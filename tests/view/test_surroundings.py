@@ -77,11 +77,50 @@ def test_the_mesh_of_a_sea_has_its_height_where_things_are_and_is_level_at_its_e
     seen = np.array([[-10.0, -5.0, -20.0], [25.0, 5.0, 30.0]])
     (surface,) = surfaces(Appearance("sea", np.zeros(1), levels=(Level("water", -2.0, waves=waves),)), seen)
     heights = surface.heights(40.0)
-    middle = np.hypot(*(surface.points[:, :2] - waves.origin).T) < 20.0
+    middle = np.hypot(*(surface.points[:, :2] - [7.5, 0.0]).T) < 20.0
     assert middle.sum() > 50
     wanted = -2.0 + waves.elevation(*surface.points[middle, :2].T, 40.0)
     assert heights[middle] == pytest.approx(wanted)
     assert np.all(heights[surface.fade == 0.0] == -2.0)
+
+
+@pytest.mark.parametrize("x", [0.5, 60.0, 1000.0])
+@pytest.mark.parametrize("period", [2.0, 7.0])
+def test_water_is_drawn_where_it_is_at_a_load_far_from_where_the_phases_hold(x, period):
+    w = np.array([2.0 * math.pi / period])
+    waves = Waves(np.array([1.5]), w, np.array([0.3]), wave_number(w), np.array([0.6, 0.8]), np.zeros(2))
+    for side in (-18.0, 0.0, 18.0):
+        # A picture 36 m wide, with the load at either end of it, or in the middle.
+        seen = np.array([[x - 18.0, -5.0, -4.0], [x + 18.0, 5.0, 20.0]])
+        (surface,) = surfaces(Appearance("sea", np.zeros(1), levels=(Level("water", 0.0, waves=waves),)), seen)
+        off = np.hypot(*(surface.points[:, :2] - [x + side, 2.0]).T)
+        nearest = int(off.argmin())
+        there = surface.points[nearest]
+        assert off[nearest] < 1.0
+        # Airy's surface, written out.
+        k = (2.0 * math.pi / period) ** 2 / 9.81
+        wanted = 1.5 * math.sin(w[0] * 14.0 + 0.3 - k * (0.6 * there[0] + 0.8 * there[1]))
+        assert surface.heights(14.0)[nearest] == pytest.approx(wanted, abs=1e-9)
+
+
+WAVY = {"elevation": {"harmonic": {"amplitude": 1.0, "period": 8.0}}}
+FLOWS = {"current": {"speed": 0.5}}
+
+
+@pytest.mark.parametrize(("water", "motion", "said"), [
+    ({"waves": WAVY}, {}, "waves act on bodies with a height; forces on the rope are those of still water"),
+    ({"waves": WAVY} | FLOWS, {}, "waves act on bodies with a height; forces on the rope are those of the current"),
+    ({}, {"heave": {"spectrum": SEA}}, "of the vessel's motion; forces on rope and load are those of still water"),
+    (FLOWS, {"heave": {"spectrum": SEA}}, "forces on rope and load are those of the current without waves"),
+])  # fmt: skip
+def test_a_picture_says_of_what_water_the_forces_are(water, motion, said, tmp_path):
+    load = {"name": "payload", "mass": "20 t", "position": [12, 0, -10], "volume": 1.0, "height": 2.0, "bottom": 1.0}
+    load |= {"drag": {"quadratic": [900, 900, 900]}}
+    vessel = {"reference": [4.0, -3.0, 0.0], "motion": motion}
+    water = {"surface": -2.0, "density": 1025.0, **water}
+    scene = one_fall(bodies=[load], vessel=vessel, water=water, solver={"end": "60 s"})
+    (note,) = [one for one in of_crane(result(scene, tmp_path / "run.nc", 5), Look()).notes if "waves" in one]
+    assert said in note
 
 
 def test_a_shadow_falls_along_the_sun_onto_its_level():

@@ -15,6 +15,7 @@ from crane.groups.immersion import Immersed
 from crane.groups.masses import Bodies
 from crane.groups.span import Spans
 from crane.groups.winch import Drums
+from crane.scene.carried import brings_sea
 from crane.scene.scene import CraneScene, Drum, End, Sheave
 from crane.scene.surroundings import Motion, Vessel
 from crane.sea.frames import SPEED
@@ -66,7 +67,7 @@ def driven(scene: CraneScene, names: tuple[str, ...]) -> CraneScene:
         cure = "remove it, and drive the winch by what is measured"
         raise SceneError([scene.problem("heave_compensation", cause, cure)])
     of_vessel = [name for name in names if name.startswith(VESSEL)]
-    if of_vessel and _answers_waves(scene):
+    if of_vessel and brings_sea(scene):
         cause = f"is the sea that the vessel's motion answers, and {of_vessel[0]} is driven from outside"
         cure = "write the waves, such as {spectrum: {significant_height: 1.5, peak_period: 8}}"
         raise SceneError([scene.problem(("water", "waves", "elevation"), cause, cure)])
@@ -84,7 +85,7 @@ def handles(made: Any, variables: Sequence[Variable], coordinates: Mapping[str, 
     layout: Layout = made.layout
     inputs = inputs_of(layout.requests.of)
     # Compensation, and the waves that a vessel answers, were computed for the motion that the scene prescribes.
-    compensated, answers = layout.scene.heave_compensation is not None, _answers_waves(layout.scene)
+    compensated, answers = layout.scene.heave_compensation is not None, brings_sea(layout.scene)
     fixed = [frame for frame in layout.frames if compensated or (answers and frame.name == VESSEL_NAME)]
     moved = {name for frame in fixed for i in range(len(frame.words)) for name in frame.inputs_of(i)}
     inputs = {name: one for name, one in inputs.items() if name not in moved}
@@ -93,11 +94,6 @@ def handles(made: Any, variables: Sequence[Variable], coordinates: Mapping[str, 
     outputs = _outputs(layout, variables, coordinates)
     instead = {"hook_load": hook_load_told(layout.scene)} | bending_told(layout.scene)
     return Handles(inputs, outputs, parameters, prepared, instead, _lacking(layout))
-
-
-def _answers_waves(scene: CraneScene) -> bool:
-    """Whether the waves on the loads are those that the vessel's motion is the response to."""
-    return scene.water is not None and scene.water.waves is not None and scene.water.waves.elevation == "vessel"
 
 
 def bending_told(scene: CraneScene) -> dict[str, str]:

@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
-from crane.scene.carried import carries, how_to_mount
+from crane.scene.carried import brings_sea, carries, how_to_mount
 from crane.scene.scene import VESSEL, CraneScene
 from crane.scene.surroundings import Motion, SeaMotion
 from crane.sea.frames import MOTIONS
@@ -76,7 +76,7 @@ def sea_keys(scene: CraneScene, headings: bool) -> SeaKeys:
     Raises
     ------
     SceneError
-        For a scene without a sea, or in which nothing of the rope rides on the vessel that the sea moves; for headings
+        For a scene without a sea, or whose sea moves nothing of the rope and acts on no load; for headings
         where the responses of the vessel know none, and for motions of several seas, of which a sea state is one.
     """
     motion = scene.vessel.motion if scene.vessel is not None else None
@@ -106,8 +106,8 @@ def sea_keys(scene: CraneScene, headings: bool) -> SeaKeys:
 
 
 def _check_carried(scene: CraneScene) -> None:
-    """Refuse a sea that moves nothing of the rope: all storms would be one, and every height would be allowed."""
-    if not carries(scene, VESSEL):
+    """Refuse a sea that neither moves the rope nor acts on a load: every height of it would be allowed."""
+    if not carries(scene, VESSEL) and not brings_sea(scene):
         cause = "no drum, sheave or anchor of the path rides on the vessel: the sea moves nothing"
         raise SceneError([scene.problem((VESSEL,), cause, how_to_mount(scene, VESSEL))])
 

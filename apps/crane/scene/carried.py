@@ -1,7 +1,7 @@
 """What of the rope rides on the vessel and on each frame; and those that are turned or moved for nothing.
 
 Motion reaches the rope by the drums, sheaves and anchors that ride on what moves, directly or on a frame upon it.
-Without one the motion changes nothing in a run, whatever the sea.
+Without one the motion changes nothing in a run, unless the sea that it is the response to acts on the loads.
 """
 
 from __future__ import annotations
@@ -22,6 +22,11 @@ def carries(scene: CraneScene, name: str) -> bool:
     return any(name in _below(scene, item) for item in scene.path)
 
 
+def brings_sea(scene: CraneScene) -> bool:
+    """Whether the waves on the loads are those that the vessel's motion is the response to."""
+    return scene.water is not None and scene.water.waves is not None and scene.water.waves.elevation == "vessel"
+
+
 def idle(scene: CraneScene) -> Iterator[tuple[str, str]]:
     """Key and text of what is turned or moved for nothing: of several that stand on each other the outermost."""
     named: list[str] = []
@@ -30,7 +35,7 @@ def idle(scene: CraneScene) -> Iterator[tuple[str, str]]:
         if turned and not carries(scene, frame.name) and not _stands_below(scene, frame.name, named):
             named.append(frame.name)
             yield f"frames[{k}]", _said(frame.name, how_to_mount(scene, frame.name))
-    if scene.vessel is None or carries(scene, VESSEL) or _stands_below(scene, VESSEL, named):
+    if scene.vessel is None or carries(scene, VESSEL) or brings_sea(scene) or _stands_below(scene, VESSEL, named):
         return
     motion: Any = scene.vessel.motion
     if any(not _is_zero(getattr(motion, name, None)) for name in TRANSLATIONS + ROTATIONS):

@@ -235,6 +235,10 @@ def _waves(scene: Scene) -> Iterator[Fault]:
     at, waves = ("water", "waves"), scene.water.waves
     if not any(body.height is not None for body in scene.bodies):
         yield at, "no body has a `height`: waves act on nothing", "give a body `height` and `bottom`, or remove this"
+    if scene.ground is not None and scene.ground.level >= scene.water.surface:
+        cause = f"is not below water.surface = {scene.water.surface:g} m: there is no water for the waves"
+        cure = "give the level of the sea bed, or remove `ground:` where the water is deep"
+        yield ("ground", "level"), cause, cure
     for i, body in enumerate(scene.bodies):
         states = body, body.after_release()
         if body.height is None and any(_acts(getattr(one, key)) for one in states for key in WATERS):

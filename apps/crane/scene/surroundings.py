@@ -9,7 +9,7 @@ from pydantic import AfterValidator, Discriminator, Field, Tag, model_validator
 
 from tautline.scene.choices.branches import Branch, OneOf
 from tautline.scene.choices.words import word
-from tautline.scene.functions import Constant, FunctionOfTime, Harmonic, Spectrum, Sum, branches, time_function
+from tautline.scene.functions import Constant, FunctionOfTime, Harmonic, Spectrum, branches, terms_of, time_function
 from tautline.scene.model import MARK, Model
 from tautline.scene.names import Name
 from tautline.scene.reading.files import FileName
@@ -203,7 +203,7 @@ class WaterWaves(Model):
 
 def _check_sines(elevation: Any) -> None:
     """Refuse a function of time that is no sum of waves which grow together."""
-    terms = elevation.terms if isinstance(elevation, Sum) else (elevation,)
+    terms = [term for _, term in terms_of(elevation)]
     for term in terms:
         if not isinstance(term, (Harmonic, Spectrum)):
             cause = "holds a function that is no wave: each wave has a length of its own, by its frequency"

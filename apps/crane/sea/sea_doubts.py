@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -11,7 +11,7 @@ import numpy as np
 from crane.sea.frames import MOTIONS
 from crane.sea.vessel import Response
 from crane.sea.waves import sines
-from tautline.scene.functions import Spectrum, Sum
+from tautline.scene.functions import Harmonic, Spectrum, terms_of
 from tautline.scene.vector import EARTH_GRAVITY
 from tautline.system.time_functions import jonswap
 from tautline.system.waves import Waves, wave_number
@@ -68,41 +68,82 @@ def doubts_of_sea(sea: Spectrum, gravity: float) -> Iterator[tuple[str, str]]:
         yield "components", text
 
 
-def doubts_of_depth(sea: Spectrum, depth: float) -> Iterator[str]:
-    """A sentence on a sea that is higher than water of a depth, m, lets it be."""
-    if sea.significant_height > SHALLOW * depth:
+def doubts_of_depth(height: float, depth: float) -> Iterator[str]:
+    """A sentence on a sea whose significant height, m, is more than water of a depth, m, lets it have."""
+    if height > SHALLOW * depth:
         yield (
             f"significant waves over {depth:.3g} m of water are {SHALLOW * depth:.3g} m high at most, for higher ones "
-            f"break (Thornton and Guza, 1983). These are {sea.significant_height:g} m. Give lower waves, or see "
-            "whether ground.level is the sea bed"
+            f"break (Thornton and Guza, 1983). These are {height:.4g} m. Give lower waves, or see whether ground.level "
+            "is the sea bed"
         )
 
 
 def doubts_of_waves(elevation: Any, waves: Waves) -> Iterator[tuple[str, str]]:
-    """Keys below the elevation of waves of their own, and sentences."""
-    terms = elevation.terms if isinstance(elevation, Sum) else (elevation,)
-    for i, term in enumerate(terms):
-        key = f"sum[{i}]." if isinstance(elevation, Sum) else ""
-        if isinstance(term, Spectrum):
-            yield from ((f"{key}spectrum.{name}", text) for name, text in doubts_of_sea(term, waves.gravity))
-            yield from ((f"{key}spectrum.significant_height", text) for text in doubts_of_depth(term, waves.depth))
-            continue
-        (_, frequency, _) = next(sines(term))
-        number = float(wave_number(frequency, waves.depth, waves.gravity)[0])
-        most = BREAKS * TURN / number * math.tanh(min(number * waves.depth, 30.0))
-        if 2.0 * abs(term.amplitude) > most:
-            period = TURN / float(frequency[0])
-            text = (
-                f"waves of a period of {period:.4g} s are {most:.3g} m high at most, for higher ones break (Miche, "
-                f"1944). This one is {2.0 * abs(term.amplitude):.4g} m high, from trough to crest"
-            )
-            yield f"{key}harmonic.amplitude", text
+    """Keys below the elevation of waves of their own, and sentences.
+
+    Seas of a sum are judged alone, and then together unless one of them breaks alone.
+    """
+    terms = list(terms_of(elevation))
+    seas = {key: term for key, term in terms if isinstance(term, Spectrum)}
+    alone: list[tuple[str, str]] = []
+    for key, sea in seas.items():
+        alone += ((f"{key}spectrum.{name}", text) for name, text in doubts_of_sea(sea, waves.gravity))
+        high = doubts_of_depth(sea.significant_height, waves.depth)
+        alone += ((f"{key}spectrum.significant_height", text) for text in high)
+    yield from alone
+    if len(seas) > 1 and not any(key.endswith("significant_height") for key, _ in alone):
+        yield from (("sum", text) for text in _together(list(seas.values()), waves))
+    yield from _doubts_of_regular({key: term for key, term in terms if isinstance(term, Harmonic)}, waves)
     if waves.ramp == 0.0:
         text = (
             "the waves have their full height at t = 0, and what is in them is at rest then: the water meets it at "
             "once. Give a `ramp`, such as two periods"
         )
         yield "ramp", text
+
+
+def _together(seas: Sequence[Spectrum], waves: Waves) -> Iterator[str]:
+    """Sentences on seas that break as one: their energies add up, and at their mean period they are too high.
+
+    Spectra that differ in nothing but their height are the same waves, whose heights add up.
+    """
+    same: dict[str, list[Spectrum]] = {}
+    for sea in seas:
+        same.setdefault(repr(sea.model_copy(update={"significant_height": 0.0})), []).append(sea)
+    rows = [(sum(one.significant_height for one in group), group[0].peak_period) for group in same.values()]
+    height = math.hypot(*(one for one, _ in rows))
+    if height == 0.0:
+        return
+    # The mean square of the frequency, by energy: so is the period of a sea's zero crossings found.
+    period = height / math.hypot(*(one / time for one, time in rows))
+    most = highest(period, waves.gravity)
+    if height > most * (1.0 + ROUNDED):
+        yield (
+            f"these {len(seas)} seas together have a significant height of {height:.3g} m and a mean peak period of "
+            f"{period:.3g} s. Waves of that period are {most:.3g} m high at most, for steeper ones break (DNV-RP-C205, "
+            "3.5.4). Give lower waves or longer periods"
+        )
+    yield from doubts_of_depth(height, waves.depth)
+
+
+def _doubts_of_regular(harmonics: dict[str, Harmonic], waves: Waves) -> Iterator[tuple[str, str]]:
+    """Keys and sentences of regular waves that break; those of one period are one wave, by their phases."""
+    groups: dict[str, list[str]] = {}
+    parts = {key: next(sines(term)) for key, term in harmonics.items()}
+    for key, (_, frequency, _) in parts.items():
+        groups.setdefault(f"{float(frequency[0]):.9g}", []).append(key)
+    for keys in groups.values():
+        frequency = parts[keys[0]][1]
+        size = abs(sum(complex(parts[key][0][0] * np.exp(1j * parts[key][2][0])) for key in keys))
+        number = float(wave_number(frequency, waves.depth, waves.gravity)[0])
+        most = BREAKS * TURN / number * math.tanh(min(number * waves.depth, 30.0))
+        if 2.0 * size > most * (1.0 + ROUNDED):
+            what = "This one is" if len(keys) == 1 else f"The {len(keys)} of this period are one wave,"
+            text = (
+                f"waves of a period of {TURN / float(frequency[0]):.4g} s are {most:.3g} m high at most, for higher "
+                f"ones break (Miche, 1944). {what} {2.0 * size:.4g} m high, from trough to crest"
+            )
+            yield f"{keys[0]}harmonic.amplitude", text
 
 
 def doubts_of_turns(sea: Spectrum, name: str) -> Iterator[tuple[str, str]]:

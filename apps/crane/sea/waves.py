@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from tautline.scene.functions import Harmonic, Spectrum, Sum
+from tautline.scene.functions import Harmonic, Spectrum, terms_of
 from tautline.scene.vector import EARTH_GRAVITY
 from tautline.system.time_functions import jonswap
 from tautline.system.waves import Waves, wave_number
@@ -53,26 +53,21 @@ def _waves(scene: Any, elevation: Any, direction: float, origin: Any) -> Waves:
     amplitude, frequency, phase = (np.concatenate([part[k] for part in parts]) for k in range(3))
     gravity = float(np.linalg.norm(scene.gravity)) or EARTH_GRAVITY
     depth = scene.water.surface - scene.ground.level if scene.ground is not None else math.inf
+    # Waves on loads have water below them. Those that are only drawn may lie below a quay: they are of deep water.
     depth = depth if depth > 0.0 else math.inf
     number = wave_number(frequency, depth, gravity)
     way = np.array([math.cos(direction), math.sin(direction)])
-    ramp = float(ramps(elevation)[0])
+    # All terms grow over one time.
+    ramp = float(next(terms_of(elevation))[1].ramp)
     return Waves(amplitude, frequency, phase, number, way, np.array(origin, float), ramp, depth, gravity)
 
 
 def sines(function: Any) -> Iterator[tuple[np.ndarray, np.ndarray, np.ndarray]]:
     """Amplitudes, m, frequencies, rad/s, and phases, rad, of a spectrum, a harmonic, or a sum of them."""
-    if isinstance(function, Sum):
-        for term in function.terms:
-            yield from sines(term)
-    elif isinstance(function, Spectrum):
-        yield jonswap(function)
-    elif isinstance(function, Harmonic):
-        frequency = function.frequency if function.period is None else 1.0 / function.period
-        assert frequency is not None
-        yield np.array([function.amplitude]), np.array([2.0 * math.pi * frequency]), np.array([function.phase])
-
-
-def ramps(function: Any) -> list[float]:
-    """Over which times the terms of such a function grow from nothing, s."""
-    return [time for term in function.terms for time in ramps(term)] if isinstance(function, Sum) else [function.ramp]
+    for _, term in terms_of(function):
+        if isinstance(term, Spectrum):
+            yield jonswap(term)
+        elif isinstance(term, Harmonic):
+            frequency = term.frequency if term.period is None else 1.0 / term.period
+            assert frequency is not None
+            yield np.array([term.amplitude]), np.array([2.0 * math.pi * frequency]), np.array([term.phase])

@@ -10,7 +10,7 @@ import numpy as np
 
 from crane.geometry.quaternion import rotation_of
 from crane.results.course import Course, course_of, laid_out, scene_of
-from crane.scene.scene import Body, Drum, End, Sheave
+from crane.scene.scene import Body, CraneScene, Drum, End, Sheave
 from crane.sea.waves import waves_of, waves_seen
 from crane.view import histories, machinery
 from crane.view.rope_line import RopeLine, cut, rope_line
@@ -101,10 +101,7 @@ def appearance(result: Result, look: Look) -> Appearance:
     if deck is not None and scene.water is not None and deck.points[:, 2].max() < scene.water.surface:
         notes.append("the winch is where the scene has it: its deck is under water")
     if any(level.waves is not None for level in levels):
-        note = "waves act on bodies with a height; forces on the rope are those of still water"
-        if waves_of(scene) is None:
-            note = "waves are those of the vessel's motion; forces on rope and load are those of still water"
-        notes.append(note)
+        notes.append(_said_of_waves(scene))
     return Appearance(
         units=look.units,
         title=title_of(result),
@@ -117,6 +114,14 @@ def appearance(result: Result, look: Look) -> Appearance:
         notes=tuple(notes),
         enlarged=(("sag of the rope", factor),) if factor != 1.0 else (),
     )
+
+
+def _said_of_waves(scene: CraneScene) -> str:
+    """Where drawn waves come from, and what they do not act on."""
+    water = "still water" if scene.water is None or scene.water.current is None else "the current without waves"
+    if waves_of(scene) is None:
+        return f"waves are those of the vessel's motion; forces on rope and load are those of {water}"
+    return f"waves act on bodies with a height; forces on the rope are those of {water}"
 
 
 def _shown(rope: RopeLine, site: Site, loads: list[_Load], view: str) -> tuple[list[RopeLine], bool, bool]:

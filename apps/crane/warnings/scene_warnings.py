@@ -133,7 +133,7 @@ def _doubts_of_waves(scene: CraneScene) -> Sentences:
         return
     if scene.water.waves.elevation == "vessel":
         assert scene.vessel is not None and scene.vessel.sea is not None
-        yield from ((key, text) for text in doubts_of_depth(scene.vessel.sea, waves.depth))
+        yield from ((key, text) for text in doubts_of_depth(scene.vessel.sea.significant_height, waves.depth))
         return
     yield from ((f"{key}.{name}", text) for name, text in doubts_of_waves(scene.water.waves.elevation, waves))
     if scene.vessel is not None and scene.vessel.sea is not None:

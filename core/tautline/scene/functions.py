@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import functools
 import itertools
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal, NoReturn
 
@@ -192,6 +192,15 @@ class Sum(Model):
     """Several functions, added."""
 
     terms: tuple[Any, ...]
+
+
+def terms_of(function: Any, key: str = "") -> Iterator[tuple[str, Any]]:
+    """A function that is no sum, or those of a sum and of the sums in it, each with its keys: ``sum[1].sum[0].``."""
+    if not isinstance(function, Sum):
+        yield key, function
+        return
+    for i, term in enumerate(function.terms):
+        yield from terms_of(term, f"{key}sum[{i}].")
 
 
 class Velocity(Model):

@@ -229,6 +229,8 @@ def test_the_mass_matrix_of_equations_has_the_added_mass_of_the_time_that_is_ask
                             {"harmonic": {"amplitude": 1, "period": 9, "ramp": 3}}]}}, {}, "several ramps"),
     ({"elevation": "vessel"}, {}, "the scene has no vessel"),
     ({"elevation": "ship"}, {}, "must be vessel, {spectrum: ...}, {harmonic: ...} or {sum: ...}"),
+    ({"elevation": 0.5}, {}, "must be a word or a mapping; give vessel, {spectrum: ...}, {harmonic: ...} or {sum"),
+    ({"elevation": {"sum": [{"sum": [{"constant": 1.0}]}]}}, {}, "holds a function that is no wave"),
     (wave(), {"height": None}, "no body has a `height`"),
 ])  # fmt: skip
 def test_waves_that_are_none_are_refused(water, bodies, told):
@@ -274,6 +276,78 @@ def test_the_waves_on_a_load_follow_the_sea_states_of_operability():
 def test_waves_of_their_own_are_no_sea_state_of_operability():
     with pytest.raises(SceneError, match="operability varies the sea of the vessel"):
         sea_keys(at_sea(wave(ramp=8.0)), headings=False)
+
+
+@pytest.mark.parametrize("level", [0.0, 0.4])
+def test_waves_without_water_between_surface_and_ground_are_refused(level):
+    scene = in_waves(lifted(0.0, 6.0), wave(ramp=8.0)) | {"ground": {"level": level, "stiffness": 1e7}}
+    with pytest.raises(SceneError, match=re.escape("is not below water.surface = 0 m")) as told:
+        tautline.read(scene)
+    assert [one.key for one in told.value.problems] == ["ground.level"]
+    # Still water below the ground is no fault: it is that beside a quay.
+    del scene["water"]["waves"]
+    assert tautline.read(scene).ground.level == level
+
+
+def test_a_sum_in_a_sum_of_waves_is_the_sum_of_all():
+    one, two, three = (wave(size, period)["elevation"] for size, period in ((0.3, 6.0), (0.2, 9.0), (0.1, 11.0)))
+    made = waves_of(tautline.read(in_waves(lifted(0.0, -1.0), {"elevation": {"sum": [one, {"sum": [two, three]}]}})))
+    times = np.linspace(0.0, 30.0, 7)
+    wanted = sum(a * np.sin(2.0 * np.pi * times / p) for a, p in ((0.3, 6.0), (0.2, 9.0), (0.1, 11.0)))
+    assert made.elevation(0.0, 0.0, times) == pytest.approx(wanted, abs=1e-12)
+
+
+def fixed_crane(waves):
+    """A winch on the ground beside a vessel that answers a sea and does not move: it brings the sea alone."""
+    scene = in_waves(lifted(0.0, -1.0, 25.0), waves)
+    scene["path"][0]["drum"]["frame"] = "ground"
+    heave = {"spectrum": {"significant_height": 1.0, "peak_period": 8.0, "ramp": 8.0, "rao": 0.0}}
+    return scene | {"vessel": {"reference": [0, 0, 0], "motion": {"heave": heave}}}
+
+
+def test_operability_of_a_fixed_crane_with_its_load_in_the_sea_has_forces_that_grow_with_the_sea():
+    scene = tautline.read(fixed_crane({"elevation": "vessel", "direction": 0.0}))
+    assert not [one for one in Crane().warnings(scene) if "rides on the vessel" in one.text]
+    keys = sea_keys(scene, headings=False)
+    ranges = []
+    for height in (0.3, 0.9):
+        run = tautline.simulate(scene.replace(keys.changes(Condition(height, 8.0, None), 7)))
+        ranges.append(np.ptp(run["tension"][run["time"] > 8.0, 0, 1]))
+    assert ranges[1] > 2.0 * ranges[0] > 0.0
+
+
+def test_a_vessel_that_brings_no_sea_to_the_load_and_carries_no_rope_is_told_as_before():
+    scene = fixed_crane(None)
+    scene["vessel"]["motion"]["heave"]["spectrum"]["rao"] = 0.5
+    scene = tautline.read(scene)
+    assert [one for one in Crane().warnings(scene) if "rides on the vessel" in one.text]
+    with pytest.raises(SceneError, match="the sea moves nothing"):
+        sea_keys(scene, headings=False)
+
+
+def swell(height, period, **more):
+    return {"spectrum": {"significant_height": height, "peak_period": period, "ramp": 20.0, **more}}
+
+
+@pytest.mark.parametrize(("terms", "told"), [
+    # Two of 1.5 m in phase are one of 3 m: 6 m from trough to crest, and 0.142 of 24.98 m are 3.55 m.
+    ([wave(1.5, 4.0, 8.0), wave(1.5, 4.0, 8.0)], "3.55 m high at most.*are one wave, 6 m high"),
+    # In opposite phases nothing is left of them; of two periods neither is too high.
+    ([wave(1.5, 4.0, 8.0), wave(-1.5, 4.0, 8.0)], None),
+    ([wave(1.5, 4.0, 8.0), wave(1.5, 5.0, 8.0)], None),
+    # 3 m and 3 m of independent seas are 4.24 m, and 6 m where they are the same waves; g 6^2 / (2 pi 15) is 3.75 m.
+    ([swell(3.0, 6.0, seed=1), swell(3.0, 6.0, seed=2)], "together have a significant height of 4.24 m.*3.75 m high"),
+    ([swell(3.0, 6.0, seed=1), swell(3.0, 6.0, seed=1)], "together have a significant height of 6 m"),
+    # A wind sea on a swell: 3.6 m at 7.9 s.
+    ([swell(2.0, 5.0, seed=1), swell(3.0, 14.0, seed=2)], None),
+    # One that breaks alone is told alone.
+    ([swell(4.0, 6.0, seed=1), swell(1.0, 6.0, seed=2)], "These are 4 m"),
+])  # fmt: skip
+def test_check_judges_the_waves_of_a_sum_together(terms, told):
+    terms = [term.get("elevation", term) for term in terms]
+    found = [one for one in warnings(in_waves(lifted(0.0, -1.0), {"elevation": {"sum": terms}})) if "break" in one]
+    assert len(found) == (told is not None)
+    assert told is None or re.search(told, found[0])
 
 
 def test_check_tells_of_waves_that_break_and_of_a_sudden_sea():

@@ -37,7 +37,8 @@ def read_word(value: Any, known: Sequence[str], aliases: Mapping[str, str], form
     """The known word that is meant; refuses anything else with the nearest."""
     words = {fold(w): w for w in known} | {fold(a): w for a, w in aliases.items()}
     if not isinstance(value, str):
-        raise refusal("must be a word", f"give {one_of([*known, *forms])}")
+        kinds = "a word or a mapping" if forms else "a word"
+        raise refusal(f"must be {kinds}", f"give {one_of([*known, *forms])}")
     if fold(value) in words:
         return words[fold(value)]
     inside = next((form for form in forms if form.startswith("{" + value.strip() + ":")), "")

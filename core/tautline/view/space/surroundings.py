@@ -15,6 +15,9 @@ DEEP = 0.85
 """Share of the picture's height from which water is so high that most of what is seen hangs in it."""
 FAR, PATCH = 14.0, 0.5
 """Radius of a level over the picture's size; and of the surface of deep water, so that one sees what hangs in it."""
+WAVY, SEEN = 1.6, 0.65
+"""Distance from the middle to where waves end, over the picture's size: at most, and at least, so that all that is seen
+in the picture is on waves of their full height."""
 FINE, AROUND = 60, 16
 """Parts of a sea from its middle to where its waves end, and from there to its edge."""
 CONTRAST = 4.0
@@ -97,21 +100,20 @@ def surfaces(appearance: Appearance, extent: np.ndarray) -> list[Surface]:
     """Levels of an appearance, and a floor where it wants one, around points (n, 3), m."""
     size = max(float(np.ptp(extent, axis=0).max()), 1e-6)
     middle = 0.5 * (extent.min(axis=0) + extent.max(axis=0))
-    made = [_surface(level, PATCH * size if deep(level, extent) else FAR * size, middle) for level in appearance.levels]
+    made = [_surface(one, PATCH * size if deep(one, extent) else FAR * size, size, middle) for one in appearance.levels]
     base = appearance.base(extent)
     if base is not None and all(level.clear for level in appearance.levels):
-        made.append(_surface(Level(FLOOR_NAME, base, FLOOR, 1.0), FAR * size, middle))
+        made.append(_surface(Level(FLOOR_NAME, base, FLOOR, 1.0), FAR * size, size, middle))
     return made
 
 
-def _surface(level: Level, far: float, middle: np.ndarray) -> Surface:
+def _surface(level: Level, far: float, size: float, middle: np.ndarray) -> Surface:
+    """A level to a distance from the middle of what is seen, whose size is given; m."""
     waves = level.waves
     if waves is None:
-        half, center = far * np.linspace(0.0, 1.0, AROUND + 1) ** 2, middle[:2]
-        near = 0.0
+        half, near = far * np.linspace(0.0, 1.0, AROUND + 1) ** 2, 0.0
     else:
-        center, near = np.asarray(waves.origin), min(0.9 * far, 1.6 * far / FAR, 4.0 * _longest(waves))
-        near = max(near, 0.1 * far)
+        near = min(0.9 * far, max(min(WAVY * size, 4.0 * _longest(waves)), SEEN * size))
         beyond = near + (far - near) * (np.arange(1, AROUND + 1) / AROUND) ** 2
         half = np.concatenate([np.linspace(0.0, near, FINE + 1), beyond])
     line = np.concatenate([-half[:0:-1], half])
@@ -119,7 +121,7 @@ def _surface(level: Level, far: float, middle: np.ndarray) -> Surface:
     x, y = np.meshgrid(line, line)
     off = np.maximum(np.abs(x), np.abs(y)).ravel()
     reach = np.hypot(x, y).ravel() / far
-    points = np.column_stack([x.ravel() + center[0], y.ravel() + center[1], np.full(n * n, level.height)])
+    points = np.column_stack([x.ravel() + middle[0], y.ravel() + middle[1], np.full(n * n, level.height)])
     i, j = np.meshgrid(np.arange(n - 1), np.arange(n - 1), indexing="ij")
     a = (i * n + j).ravel()
     faces = np.concatenate([np.column_stack([a, a + 1, a + n + 1]), np.column_stack([a, a + n + 1, a + n])])

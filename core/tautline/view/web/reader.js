@@ -392,5 +392,6 @@ globalThis.tautline = {
   pose: (name) => bodies.find((one) => one.name === name).mesh.matrix.elements.slice(),
   picked: (x, y) => { const found = found_at(x, y, 10); return found && told(found, false); },
   history: () => { const found = known(state.pinned); const { time } = found; const one = chosen(found); return { time, name: one.name, unit: one.unit, written: time.map((_, k) => written(one.at(k), one.digits)) }; },
+  surface: (x, y) => planes.find((one) => one.sea).nearest(x, y),
   elevation: (x, y, time) => planes.find((one) => one.sea).sea.elevation(x, y, time),
 };

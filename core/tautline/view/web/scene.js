@@ -562,9 +562,9 @@ class Plane {
     this.sea = spec.waves && new Sea(spec.waves);
     // Of deep water a patch of the surface is drawn: one is to see what hangs below it.
     const far = (spec.deep ? 0.5 : FAR) * size;
-    // A sea is fine around its vessel, and coarse beyond.
+    // A sea is fine around what is seen, and coarse beyond. Whatever is seen is on waves of their full height.
     const longest = this.sea && 2 * Math.PI / this.sea.number[this.sea.amplitude.reduce((a, b, k, all) => (b > all[a] ? k : a), 0)];
-    const near = (this.near = this.sea ? Math.min(0.9 * far, 1.6 * size, 4 * longest) : 0);
+    const near = (this.near = this.sea ? Math.min(0.9 * far, Math.max(Math.min(1.6 * size, 4 * longest), 0.65 * size)) : 0);
     const half = this.sea
       ? [...Array.from({ length: FINE + 1 }, (_, k) => (near * k) / FINE), ...Array.from({ length: AROUND }, (_, k) => near + (far - near) * ((k + 1) / AROUND) ** 2)]
       : [0, far];
@@ -583,7 +583,6 @@ class Plane {
     geometry.setAttribute("position", new THREE.BufferAttribute(places, 3));
     geometry.setAttribute("crest", new THREE.BufferAttribute((this.crest = new Float32Array(n * n)), 1));
     geometry.setIndex(faces);
-    this.middle = this.sea ? this.sea.origin : [0, 0];
     this.material = new THREE.ShaderMaterial({
       vertexShader: PLAIN_VERTEX, fragmentShader: spec.clear ? WATER_FRAGMENT : GROUND_FRAGMENT, side: THREE.DoubleSide, depthWrite: false,
       transparent: spec.clear, blending: spec.clear ? NORMAL : CUSTOM, // what is not clear is drawn first, and all else over it
@@ -594,7 +593,7 @@ class Plane {
       },
     });
     this.mesh = new THREE.Mesh(geometry, this.material);
-    this.mesh.position.set(this.middle[0], this.middle[1], spec.height);
+    this.mesh.position.z = spec.height; // the middle of the picture is the origin
     this.mesh.renderOrder = spec.clear ? 1 : -5;
     this.mesh.frustumCulled = false;
     this.shown = NaN;
@@ -606,7 +605,8 @@ class Plane {
     const { near, sea, crest } = this;
     const count = 6 * FINE;
     const [pitch, places] = [(3 * near) / count, this.mesh.geometry.attributes.position.array];
-    const profile = Float32Array.from({ length: count + 2 }, (_, k) => sea.along(-1.5 * near + k * pitch, when.time, (3 * near) / FINE));
+    const first = sea.distance(0, 0) - 1.5 * near;
+    const profile = Float32Array.from({ length: count + 2 }, (_, k) => sea.along(first + k * pitch, when.time, (3 * near) / FINE));
     for (let k = 0; k < crest.length; k++) {
       const [x, y] = [places[3 * k], places[3 * k + 1]];
       const off = Math.max(Math.abs(x), Math.abs(y)) / near;
@@ -617,6 +617,16 @@ class Plane {
       crest[k] = (off > 0.8 ? 5 * (1 - off) : 1) * ((1 - share) * profile[i] + share * profile[i + 1]);
     }
     this.mesh.geometry.attributes.crest.needsUpdate = true;
+  }
+
+  /** The point of the mesh that is nearest to a place, above the level of still water. */
+  nearest(x, y) {
+    const [places, middle] = [this.mesh.geometry.attributes.position.array, this.mesh.position];
+    const at = (k) => [places[3 * k] + middle.x, places[3 * k + 1] + middle.y, this.crest[k]];
+    const off = (k) => Math.hypot(at(k)[0] - x, at(k)[1] - y);
+    let best = 0;
+    for (let k = 1; k < this.crest.length; k++) if (off(k) < off(best)) best = k;
+    return at(best);
   }
 }
 

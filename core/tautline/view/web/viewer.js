@@ -429,7 +429,6 @@ function legend() {
   if (!page.enlarged.length) entry("lengths and motions 1 : 1, not exaggerated", "true");
   if (page.factor !== null) entry(`lines drawn ${Number(page.factor.toPrecision(3))} times as thick`);
   if (planes.some((plane) => plane.material.uniforms.grid.value)) entry(`grid of ${length_said(round_length(page.size / 8))}${page.floor ? ", on a floor that is not in the scene" : ""}`);
-  if (page.levels.some((one) => one.waves)) entry("waves: the sea that moves the vessel");
 }
 
 // ---------------------------------------------------------------- what a reader must know
