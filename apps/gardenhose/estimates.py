@@ -126,7 +126,10 @@ def _flow(scene: HoseScene, count: int, order: int) -> np.ndarray:
     if scene.water is None:
         return np.zeros(1)
     functions, end = _compiled(scene), scene.solver.end
-    return _flow_at(functions, np.union1d(np.linspace(0.0, end, count), _beside_breaks(functions, end)), order)
+    breaks = _breaks(functions, end)
+    # The speed goes on there, and its rate may leap.
+    before = np.nextafter(breaks, 0.0) if order > 1 else breaks
+    return _flow_at(functions, np.unique(np.concatenate((np.linspace(0.0, end, count), breaks, before))), order)
 
 
 def _compiled(scene: HoseScene) -> TimeFunctions:
@@ -140,10 +143,9 @@ def _flow_at(functions: TimeFunctions, times: np.ndarray, order: int) -> np.ndar
     return np.clip(np.nan_to_num(sample(functions, 0, times)[:, order]), -FASTEST, FASTEST)
 
 
-def _beside_breaks(functions: TimeFunctions, end: float) -> np.ndarray:
-    """Where the function goes over from one curve to another, within the run, and just before."""
-    inside = functions.breaks[(functions.breaks > 0.0) & (functions.breaks <= end)]
-    return np.concatenate((inside, np.nextafter(inside, 0.0)))
+def _breaks(functions: TimeFunctions, end: float) -> np.ndarray:
+    """Where the function goes over from one curve to another within the run."""
+    return functions.breaks[(functions.breaks > 0.0) & (functions.breaks <= end)]
 
 
 def transit(scene: HoseScene) -> float:
@@ -164,7 +166,7 @@ def largest_change(scene: HoseScene, within: float) -> float:
     if scene.water is None or not 0.0 < within < end:
         return 0.0
     functions = _compiled(scene)
-    breaks = _beside_breaks(functions, end)
+    breaks = _breaks(functions, end)
     coarse = np.union1d(np.linspace(0.0, end, SAMPLES), breaks)
     step, apart = FINE * within, np.diff(coarse)
     steepness = np.abs(np.diff(_flow_at(functions, coarse, 1))) / np.maximum(apart, within)
