@@ -17,7 +17,7 @@ import numpy as np
 from gardenhose.scene import HoseScene, Segment
 from tautline.integrators.vibration.critical_step import critical_step
 from tautline.kernels.hermite import FIRST, SECOND, SHAPE, WEIGHT, gauss, lobatto, table
-from tautline.kernels.time_function import sample
+from tautline.kernels.time_function import TimeFunctions, sample
 from tautline.system.time_functions import FunctionRequest, compile_functions
 
 RADIANS_PER_ELEMENT = 2.0
@@ -68,6 +68,8 @@ FASTEST = 1.0e60
 """Speed, m/s, that stands for all above it, whose square could not be computed with."""
 FINE = 0.05
 """Time between samples over that within which a change of the flow is looked for, at most."""
+FOLLOWED, LONGEST = 32, 6000
+"""Stretches of the run that are followed in such steps, and of how many steps at most."""
 ENOUGH_ELEMENTS = 12
 """Elements of a piece from which more of them do not change its highest frequency."""
 
@@ -111,7 +113,7 @@ class Average:
 
 
 def speeds(scene: HoseScene, count: int = SAMPLES) -> np.ndarray:
-    """Speed of the water in the first segment at so many times through the run, m/s, (count,)."""
+    """Speed of the water in the first segment at so many times through the run, and where its function breaks, m/s."""
     return _flow(scene, count, 1)
 
 
@@ -123,16 +125,27 @@ def rates(scene: HoseScene) -> np.ndarray:
 def _flow(scene: HoseScene, count: int, order: int) -> np.ndarray:
     if scene.water is None:
         return np.zeros(1)
-    return _flow_at(scene, np.linspace(0.0, scene.solver.end, count), order)
+    functions, end = _compiled(scene), scene.solver.end
+    breaks = _breaks(functions, end)
+    # The speed goes on there, and its rate may leap.
+    before = np.nextafter(breaks, 0.0) if order > 1 else breaks
+    return _flow_at(functions, np.unique(np.concatenate((np.linspace(0.0, end, count), breaks, before))), order)
 
 
-def _flow_at(scene: HoseScene, times: np.ndarray, order: int) -> np.ndarray:
+def _compiled(scene: HoseScene) -> TimeFunctions:
+    """The function of the water's speed. As in the run a table is made of straight lines: its rate is integrated."""
     assert scene.water is not None
-    key = "water.speed"
-    functions = compile_functions([FunctionRequest(scene.water.speed, integrate=True, end=scene.solver.end, key=key)])
-    # As in the run, which integrates the rate: a table of it is made of straight lines.
-    sampled = sample(functions, 0, times)[:, order]
-    return np.clip(np.nan_to_num(sampled), -FASTEST, FASTEST)
+    request = FunctionRequest(scene.water.speed, integrate=True, end=scene.solver.end, key="water.speed")
+    return compile_functions([request])
+
+
+def _flow_at(functions: TimeFunctions, times: np.ndarray, order: int) -> np.ndarray:
+    return np.clip(np.nan_to_num(sample(functions, 0, times)[:, order]), -FASTEST, FASTEST)
+
+
+def _breaks(functions: TimeFunctions, end: float) -> np.ndarray:
+    """Where the function goes over from one curve to another within the run."""
+    return functions.breaks[(functions.breaks > 0.0) & (functions.breaks <= end)]
 
 
 def transit(scene: HoseScene) -> float:
@@ -146,22 +159,41 @@ def transit(scene: HoseScene) -> float:
 def largest_change(scene: HoseScene, within: float) -> float:
     """By how much the speed of the flow in the first segment changes within so many seconds at most, m/s.
 
-    Where the samples of the run are farther apart than that, those are followed between which it changes most.
+    Straight lines change the most from a break, or up to one. Curves and waves are followed in short steps where they
+    change the most, and in stretches spread over the run: what swings faster than the samples shows nothing in them.
     """
-    first, last = 0.0, scene.solver.end
-    if scene.water is None or not 0.0 < within < last:
+    end = scene.solver.end
+    if scene.water is None or not 0.0 < within < end:
         return 0.0
-    while True:
-        times = np.linspace(first, last, SAMPLES)
-        flow, apart = _flow_at(scene, times, 1), times[1] - times[0]
-        if apart <= FINE * within:
-            break
-        steepest = times[int(np.argmax(np.abs(np.diff(flow))))]
-        # Samples a little more than that apart are closed in upon as those that are far apart are.
-        about = max(1.5 * apart, 2.0 * within)
-        first, last = max(first, steepest - about), min(last, steepest + apart + about)
-    count = max(1, round(within / apart))
-    return float(np.abs(flow[count:] - flow[:-count]).max(initial=0.0))
+    functions = _compiled(scene)
+    breaks = _breaks(functions, end)
+    coarse = np.union1d(np.linspace(0.0, end, SAMPLES), breaks)
+    step, apart = FINE * within, np.diff(coarse)
+    steepness = np.abs(np.diff(_flow_at(functions, coarse, 1))) / np.maximum(apart, within)
+    spread = np.linspace(0, apart.size - 1, FOLLOWED).astype(int)
+    steps = np.ceil((apart + within) / step)
+    fine = [coarse, breaks - within, breaks + within]
+    for k in [*steepness.argsort()[::-1][:FOLLOWED].tolist(), *(spread.tolist() if functions.waves.size else ())]:
+        fine.append(coarse[k] + step * np.arange(min(int(steps[k]), LONGEST)))
+    times = np.unique(np.clip(np.concatenate(fine), 0.0, end))
+    return _largest_range(times, _flow_at(functions, times, 1), within)
+
+
+def _largest_range(times: np.ndarray, values: np.ndarray, within: float) -> float:
+    """Largest difference of two values that are so many seconds apart at most."""
+    # A little more, as sums of times are rounded.
+    last = np.searchsorted(times, times + within * (1.0 + 1e-9), side="right")
+    count, found = last - np.arange(times.size), 0.0
+    high = low = values
+    # Ranges of 1, 2, 4, ... values; two of them cover any number.
+    for level in range(int(count.max()).bit_length()):
+        length = 2**level
+        k = np.flatnonzero((count >= length) & (count < 2 * length))
+        other = last[k] - length
+        ranges = np.maximum(high[k], high[other]) - np.minimum(low[k], low[other])
+        found = max(found, float(ranges.max(initial=0.0)))
+        high, low = np.maximum(high[:-length], high[length:]), np.minimum(low[:-length], low[length:])
+    return found
 
 
 def direction_of(scene: HoseScene) -> float:

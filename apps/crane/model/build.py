@@ -28,6 +28,7 @@ from crane.results.slipping_brakes import remarks
 from crane.results.summary import (
     JOINED,
     NOTHING,
+    OF_EVENTS,
     OF_PIECES,
     OF_TURNS,
     figure_units,
@@ -118,6 +119,7 @@ def build(scene: CraneScene, functions: TimeFunctions | None = None) -> Model:
             "of_turns": lambda turns: figures_of_turns(turns, scene), "turned": OF_TURNS,
             "possible": possible_figures(scene) if scene.output.statistics else (),
         },
+        extremes=OF_EVENTS,
     )  # fmt: skip
     return with_limits(within_rounding(model), scene)
 

@@ -17,6 +17,7 @@ from drillstring.results.drilling import creep_of, last_part, stalled_drive, var
 from drillstring.results.limits import limits, pushed_at_the_top
 from drillstring.results.observe import (
     COORDINATE_UNITS,
+    EXTREMES,
     FIGURES,
     JOINED,
     NOTHING,
@@ -99,6 +100,7 @@ def build(scene: DrillstringScene, functions: TimeFunctions | None = None) -> Mo
         own=observer.own,
         notes=notes,
         statistics={"rules": JOINED, "possible": _possible(scene, lumps, stored)},
+        extremes=EXTREMES,
         handles=lambda: handles(scene, lumps, model),
         anew=lambda held: build(scene, held),
     )  # fmt: skip

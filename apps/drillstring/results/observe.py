@@ -41,6 +41,8 @@ JOINED = {
     r"(hook_load|stretch|weight_on_bit)_start|surface_torque_end|drilled": "last",
 }
 """How figures of pieces of a run make those of the whole; the others are of its last half, or need every frame."""
+EXTREMES = {r"lateral_(acceleration|offset)_max": "largest"}
+"""Others that are extremes over all frames: of one lump, or between two frames, which pieces do not tell."""
 OF_DRILLING = frozenset({
     "weight_on_bit_start", "weight_on_bit_mean", "torque_on_bit_mean", "drilled", "rate_of_penetration_mean",
     "bit_rotation_mean", "stick_slip_severity", "rotation_stuck",

@@ -23,7 +23,10 @@ SHORTENED: dict[str, Any] = {"ls": "", "marker": "o", "ms": 10.0, "mfc": "none",
 """A ring about a run that took shorter steps than asked for."""
 LEAST = 1.0e-16
 """Error that is drawn for none: a logarithm needs one."""
-PANELS = (("position", "position error", ""), ("force", "force amplitude error", ""), ("phase", "phase error", "rad"))
+PANELS = (
+    ("position", "position error", ""), ("force", "force amplitude error", ""), ("twist", "twist error", ""),
+    ("phase", "phase error", "rad"),
+)  # fmt: skip
 
 
 @styled

@@ -128,6 +128,9 @@ class Model:
         saved state of a simulation holds them.
     statistics : mapping
         Fields of `Keep` that are the application's: variables that are watched where the scene names none, and so on.
+    extremes : mapping
+        Pattern of a figure's name -> ``largest`` or ``smallest``: figures that are so over all frames, and that figures
+        of pieces of a run do not make. Those that do stand among the rules of ``statistics``.
     anew : callable or None
         Functions of time of this model, which something may have written into -> the model of the same scene with them,
         for an application whose builder takes from them how all of the scene moves at t = 0. None where it takes
@@ -161,6 +164,7 @@ class Model:
     longer_steps_tell: bool = False
     blow: str = ""
     statistics: Mapping[str, Any] = field(default_factory=dict)
+    extremes: Mapping[str, str] = field(default_factory=dict)
     on_demand: Callable[[Any], Mapping[str, np.ndarray]] | None = None
     remarks: Callable[[Any], list[str]] | None = None
     of_step: Callable[[float], list[str]] | None = None

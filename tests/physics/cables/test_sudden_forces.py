@@ -11,7 +11,7 @@ from tautline.cable.application import Cable
 from tautline.cable.input.scene import parse
 
 LENGTH, EA, DENSITY, FORCE = 10.0, 1e4, 1.0, 10.0
-TRANSIT = LENGTH * np.sqrt(DENSITY / EA)
+TRANSIT = LENGTH * float(np.sqrt(DENSITY / EA))
 HELD, FREE = [1, 1, 1, 0, 1, 1, 1], [0, 1, 1, 0, 1, 1, 1]
 
 
@@ -73,6 +73,76 @@ def test_only_a_force_that_sends_a_sharp_front_along_the_rope_is_warned_of():
     assert not told(start="static")
     assert told(start="static", interval=[0.0, 0.1]) and told(start="static", interval=[0.1, 1.0])
     assert not told(more="  - PointMass: {id: 1, nodes7: [20], mass: 0.3}\n")
+
+
+def steps(number, apart, force=FORCE):
+    """Items of equal steps in which the force at the tip grows, without the first: `bar` makes that."""
+    return "".join(
+        f"  - PointForce: {{id: {k}, nodes7: [20], force: [{force / number}, 0, 0], timeInterval: [{k * apart}, 9]}}\n"
+        for k in range(1, number)
+    )
+
+
+def share_of(warned):
+    return float(warned.text.partition("too large by about ")[2].partition(" %")[0]) / 100.0
+
+
+@pytest.mark.parametrize("before", [{"start": "static"}, {"stretch": FORCE / EA}], ids=["static", "drawn"])
+def test_a_bar_that_is_let_go_is_warned_of_where_its_root_swings_beyond_the_force_it_had(before, tmp_path):
+    """By d'Alembert the root swings between F and -F; it is drawn with that stretch, or begins at rest under it."""
+    changes = before | {"interval": [0.0, 0.5 * TRANSIT]}
+    most = float(np.abs(simulated(tmp_path, **changes)["end_force"]).max())
+    assert 1.25 * FORCE < most < 1.5 * FORCE
+    (one,) = told(**changes)
+    assert f"at t = {0.5 * TRANSIT:g} s" in one.text and share_of(one) >= most / FORCE - 1.0
+
+
+def test_equal_blows_one_after_another_are_warned_of_however_many_they_are():
+    apart = 6.0 * TRANSIT
+    for number in (1, 2, 11, 25):
+        more = "".join(
+            f"  - PointForce: {{id: {k}, nodes7: [20], force: [{FORCE}, 0, 0], "
+            f"timeInterval: [{k * apart!r}, {(k + 0.5) * apart!r}]}}\n"
+            for k in range(1, number)
+        )
+        (one,) = told(more=more, interval=[0.0, 0.5 * apart], time_end=number * apart)
+        assert share_of(one) == pytest.approx(0.25)
+
+
+def test_forces_whose_sum_does_not_change_are_not_warned_of():
+    """One hands over to the next, by rounding a little early or late; two that pull against each other; a late end."""
+    assert not told(more=f"  - PointForce: {{id: 1, nodes7: [20], force: [{-FORCE}, 0, 0]}}\n")
+    for begins in (0.1, np.nextafter(0.1, 0.0), np.nextafter(0.1, 1.0)):
+        next_one = (
+            f"  - PointForce: {{id: 1, nodes7: [20], force: [{FORCE}, 0, 0], timeInterval: [{float(begins)!r}, 1]}}\n"
+        )
+        assert not told(start="static", interval=[0.0, 0.1], more=next_one)
+    assert not told(start="static", interval=[0.0, 2.9 * TRANSIT * (1.0 - 1e-6)])
+    # A millionth of a second is short for the mesh, and the blow within it is none.
+    assert told(interval=[0.0, 1e-6], force=1e4)
+
+
+def test_as_many_steps_as_the_warning_names_leave_the_root_five_percent_and_nothing_to_warn_of(tmp_path):
+    """Twice the whole force at the root, as all fronts are on their way before the first is back: 2 L / a."""
+    (one,) = told()
+    number = int(one.text.partition("let the force change in ")[2].partition(" ")[0])
+    longest = float(one.text.partition("spread over up to ")[2].partition(" ")[0])
+    assert longest == pytest.approx(2.0 * TRANSIT, rel=0.05) and number == 5
+    apart = longest / number
+    slow = {"force": FORCE / number, "more": steps(number, apart), "time_end": 3.9 * TRANSIT}
+    assert not told(**slow)
+    most = float(simulated(tmp_path, **slow)["end_force"].max())
+    assert 1.01 * 2.0 * FORCE < most < 1.06 * 2.0 * FORCE
+    few = {"force": FORCE / (number - 1), "more": steps(number - 1, apart)}
+    assert told(**few)
+
+
+def test_steps_that_follow_each_other_within_an_element_are_one_to_the_mesh(tmp_path):
+    crossing = TRANSIT / 20
+    for over, warned in ((crossing, True), (2.0 * crossing, False)):
+        changes = {"force": FORCE / 20, "more": steps(20, over / 20)}
+        most = float(simulated(tmp_path, **changes)["end_force"].max())
+        assert (most > 1.05 * 2.0 * FORCE) == warned == bool(told(**changes))
 
 
 def pulled(damping, end, cells=400):

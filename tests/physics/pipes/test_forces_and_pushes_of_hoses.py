@@ -5,6 +5,7 @@ import pytest
 
 import tautline
 from gardenhose.cables import arc_lengths
+from gardenhose.estimates import largest_change
 from gardenhose.static import forms, stretched_at_rest
 from gardenhose.warnings import warnings
 
@@ -138,6 +139,11 @@ def hammered(speed, end="free"):
     return [one.text for one in warnings(tube(speed, end)) if "water hammer" in one.text]
 
 
+def long_run(speed):
+    """A tube that runs for 1000 s, of which 4001 samples stand 0.25 s apart."""
+    return tube(speed, "free").replace({"solver.end": 1000.0})
+
+
 @pytest.mark.parametrize("late", [0.1, 0.10037])
 @pytest.mark.parametrize(("times", "told"), [(0.01, True), (3.8, True), (4.2, False), (50.0, False)])
 def test_a_flow_that_stops_within_four_times_of_a_wave_along_the_hose_is_warned_of_water_hammer(times, told, late):
@@ -147,6 +153,47 @@ def test_a_flow_that_stops_within_four_times_of_a_wave_along_the_hose_is_warned_
     assert len(texts) == told
     if told:
         assert "changes by 3 m/s within 0.004 s or less" in texts[0] and "takes 0.001 s along" in texts[0]
+
+
+def changed(time, value, within, end):
+    """Largest change of straight lines within a time, one by one where it begins or ends at a knot."""
+    corners = [t + shift for t in time for shift in (-within, 0.0, within)]
+    corners = np.array([t for t in corners if 0.0 <= t <= end] + [end])
+    speed, apart = np.interp(corners, time, value), np.subtract.outer(corners, corners)
+    return float(np.abs(np.subtract.outer(speed, speed))[np.abs(apart) <= within + 1e-9].max())
+
+
+@pytest.mark.parametrize(
+    ("time", "value"),
+    [
+        ([0.0, 50.0, 50.2, 500.1, 500.101, 2000.0], [0.0, 0.0, 5.0, 5.0, 1.0, 1.0]),
+        ([0.0, 5.0, 5.5, 700.1, 700.101, 2000.0], [0.0, 0.0, 5.0, 5.0, 3.0, 3.0]),
+        ([0.0, 500.11, 500.111, 500.112, 2000.0], [5.0, 5.0, 0.0, 5.0, 5.0]),
+        ([0.0, 500.11, 500.111, 500.16, 500.161, 2000.0], [5.0, 5.0, 0.0, 0.0, 5.0, 5.0]),
+        ([0.0, 500.11, 501.11, 2000.0], [5.0, 5.0, 0.0, 0.0]),
+    ],
+    ids=["slam after a larger slow opening", "smaller slam", "shut and open again", "a little later", "slow"],
+)
+def test_a_quick_change_in_a_long_run_is_found_beside_slower_ones_and_between_its_samples(time, value):
+    """A wave takes 1 ms along the hose; a tenth of 5 m/s is told."""
+    within, scene = 0.4e-3, long_run({"table": {"time": time, "value": value}})
+    found = changed(time, value, within, 1000.0)
+    assert largest_change(scene, within) == pytest.approx(found, rel=1e-6)
+    assert any("water hammer" in one.text for one in warnings(scene)) == (found >= 0.5)
+
+
+@pytest.mark.parametrize("frequency", [40.0, 40.37])
+def test_a_flow_that_pulsates_faster_than_its_samples_is_followed(frequency):
+    """At every sample a sine of 40 Hz is alike. 2 A sin(pi f w) is the most that a sine changes within w."""
+    scene, within = long_run({"harmonic": {"amplitude": 0.6, "frequency": frequency, "mean": 5.0}}), 4e-3
+    assert largest_change(scene, within) == pytest.approx(1.2 * np.sin(np.pi * frequency * within), rel=2e-3)
+
+
+def test_a_short_ramp_of_a_long_run_is_followed_between_its_corners():
+    """A ramp of 20 ms, 10 u^3 - 15 u^4 + 6 u^5: within 4 ms it changes the most about its middle, from 0.4 to 0.6."""
+    scene = long_run({"ramp": {"to": 5.0, "over": 0.02, "at": 333.1}})
+    at = [10.0 * u**3 - 15.0 * u**4 + 6.0 * u**5 for u in (0.4, 0.6)]
+    assert largest_change(scene, 4e-3) == pytest.approx(5.0 * (at[1] - at[0]), rel=2e-3)
 
 
 def test_a_flow_that_hardly_changes_or_pulsates_slowly_is_not_warned_of_water_hammer():

@@ -21,6 +21,7 @@ from physics.wells.strings import E as YOUNG
 from scipy.optimize import brentq
 
 from drillstring.results.whirl import Whirl, busiest, whirl_of
+from tautline import simulate
 
 MUD, HOLE, LENGTH, OFF, ZETA = 1200.0, 0.2032, 10.0, 2e-3, 0.1
 LINK, RADIUS, CLEARANCE = LENGTH / 2, COLLAR[0] / 2, (HOLE - COLLAR[0]) / 2
@@ -396,6 +397,16 @@ def test_headline_figures_of_an_unbalanced_string_tell_offset_whirl_ratio_and_ac
 
 
 # -- either way
+
+
+def test_the_acceleration_of_a_circle_that_frames_far_apart_miss_is_told():
+    """Between frames a third of a turn apart the velocity changes by its chord: sin(pi / 3) / (pi / 3) of the arc."""
+    speed = 1.5 * CRITICAL
+    apart = 2 * pi / 3 / speed
+    scene = span(speed, zeta=0.5, output__interval=apart, solver__end=30 * apart, solver__step=apart / 60)
+    told = simulate(scene, verify=True).between_frames["figures"]
+    share = next(one["share"] for one in told if one["name"] == "lateral_acceleration_max")
+    assert share >= 0.9 * ((pi / 3) / np.sin(pi / 3) - 1)
 
 
 @pytest.mark.parametrize("case", ["free", "rub", "roll"])

@@ -160,6 +160,18 @@ def test_a_force_that_the_reference_does_not_know_is_not_judged_and_that_is_said
     assert names(good_enough(made(near, force=1e-3))) == ["near"] and names(good_enough(made(near, force=5e-3))) == []
 
 
+def test_a_twist_that_is_wrong_is_not_advised_and_one_that_the_reference_does_not_know_is_not_judged():
+    """What sticks and slips turns while it hardly moves."""
+    twisted = replace(row("twisted", 1e-4, 0.1), errors=Errors(1e-4, 2e-3, None, 0.0, 0.06))
+    right = replace(row("right", 1e-4, 0.5), errors=Errors(1e-4, 2e-3, None, 0.0, 0.004))
+    study = made(twisted, right)
+    assert names(good_enough(study)) == ["right"] and "of the twist 0.4 %" in advice(study)
+    near, unknown = (replace(study, reference=replace(study.reference, twist_error=x)) for x in (7e-3, 0.05))
+    assert names(good_enough(near)) == []
+    assert advice(unknown).startswith("cheapest with an error below 1 % in position, force and phase")
+    assert "(the reference does not know the twist so well)" in advice(unknown)
+
+
 # a part of a run
 def test_a_look_at_a_part_of_a_run_advises_nothing_for_the_whole():
     text = advice(made(SLOW, FAIR, unseen="only the first 4 s of 40 s"))

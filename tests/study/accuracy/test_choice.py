@@ -29,7 +29,7 @@ def seen(offset, force=1.0, every=1, shape=TIMES):
 
 def with_force(history, force):
     """A run with another force."""
-    return Seen(history._replace(force=force), None, force[:, None])
+    return Seen(history._replace(force=force), force[:, None])
 
 
 def choice_of(offsets, divisors=(1, 2, 4, 8, 16, 32, 64), asked=0.01, friction=False, alike=True):

@@ -274,7 +274,9 @@ def _report(path: Path, stem: Path, found: Study, as_json: bool, warnings: Seque
         say(_of_reference(found))
     if found.left_out:
         say(f"a quick look: {'; '.join(found.left_out)}")
-    compared = " and ".join(filter(None, (found.watched.point_said, found.watched.force_said)))
+    watched = found.watched
+    places = [place for place in (watched.point_said, watched.force_said, watched.twist_said) if place]
+    compared = " and ".join(filter(None, (", ".join(places[:-1]), places[-1])))
     say(f"compared: {compared}; {machine(found.load)}")
     for sentence in dict.fromkeys(_reason(row) for row in found.rows if row.trial.status in NOT_RUN):
         say(sentence)
@@ -330,7 +332,13 @@ def _table(rows: Sequence[Row]) -> Table:
     further = [key for key in ("step_error", "elements", "constraint", "newton") if len({r[key] for r in records}) > 1]
     heads = {"step_error": "step error", "elements": "elements x"}
     columns = ["method", "step, s", *(heads.get(key, key) for key in further)]
-    columns += ["position", "force", "phase, rad", "RMSE, m", "CPU, s", "wall, s", "spread", "real time", "steps"]
+    kinds = ["position_error", "force_error", "twist_error", "phase_error", "rmse"]
+    # Of a hose, a cable or a crane nothing twists.
+    kinds = [key for key in kinds if key != "twist_error" or any(r[key] is not None for r in records)]
+    heads |= {"position_error": "position", "force_error": "force", "twist_error": "twist"}
+    heads |= {"phase_error": "phase, rad", "rmse": "RMSE, m"}
+    columns += [heads[key] for key in kinds]
+    columns += ["CPU, s", "wall, s", "spread", "real time", "steps"]
     for name in [*columns, "iterations", "status"]:
         table.add_column(name, justify="left" if name in ("method", "status", "constraint", "newton") else "right")
     for row, r in zip(rows, records, strict=True):
@@ -338,7 +346,7 @@ def _table(rows: Sequence[Row]) -> Table:
         r |= {"steps": f"{r['steps']}*"} if row.shortened else {}
         table.add_row(
             str(r["method"] or "–"), _number(r["step"], 4), *(_number(r[key]) for key in further),
-            *(_number(r[key]) for key in ("position_error", "force_error", "phase_error", "rmse")),
+            *(_number(r[key]) for key in kinds),
             *(_number(r[key]) for key in ("cpu_time", "wall_time", "wall_time_spread", "real_time_factor")),
             *(str(r[key]) if r[key] is not None else "–" for key in ("steps", "newton_iterations")), r["status"],
         )  # fmt: skip

@@ -223,6 +223,9 @@ def _of_the_step(found: dict[str, Any], system: str) -> list[tuple[str, str]]:
     rows = [("estimated error due to the step", moved)]
     if force is not None:
         rows.append(("", f"{force}, amplitude of {in_words(found['force_place'], system)}"))
+    if found.get("twist") is not None:  # results of older versions have none
+        off = f"{shown(found['twist_angle'], 'rad', system)} ({in_percent(found['twist'])})"
+        rows.append(("", f"{off}, {found['twist_place']}"))
     if found.get("blow_said"):  # results of older versions have none
         known = "not known" if found["blow"] is None else in_percent(found["blow"])
         longer = found["taken"] is not None and found["step"] > found["taken"]

@@ -45,7 +45,7 @@ from tautline.study.trials.between_frames import (
     divisor,
     frames_for_each,
 )
-from tautline.study.trials.errors import apart, ends_apart, motion
+from tautline.study.trials.errors import apart, ends_apart, motion, twist_apart
 from tautline.study.trials.history import History, Watched, watch
 from tautline.study.trials.history import forces as all_forces
 from tautline.study.trials.step_error import (
@@ -53,6 +53,7 @@ from tautline.study.trials.step_error import (
     StepError,
     at_common_times,
     from_longer,
+    of_twist,
 )
 from tautline.study.trials.trial import Setting, Subject
 from tautline.system.model import Model
@@ -108,8 +109,6 @@ PATIENCE = 2
 """Runs in which it may do so."""
 SECONDS, STEPS = 3600.0, 1.0e8
 """Processor time, s, that all runs may take, and steps of one."""
-TWIST = 0.05
-"""Twist of a string, rad, from which it is looked at."""
 KINDS = ("position", "force", "twist")
 NONE = np.zeros((0, 0))
 """The forces of a scene without any, and of runs that nothing is compared with any more."""
@@ -131,15 +130,12 @@ class Seen(NamedTuple):
     Attributes
     ----------
     history : History
-        The path of the point, and the force that varies most.
-    turned : History or None
-        The same frames with a string's twist, rad, in place of the force; None where nothing turns.
+        The path of the point, the force that varies most, and a string's twist.
     forces : ndarray, shape (m, n)
         All forces of the kind, N, at the times of the frames; empty where a scene has none.
     """
 
     history: History
-    turned: History | None
     forces: np.ndarray = NONE
 
 
@@ -460,7 +456,7 @@ def _over_time(seen: Seen, kind: str, watched: Watched | None) -> np.ndarray | N
     if kind == "position":
         return seen.history.position
     if kind == "twist":
-        return None if seen.turned is None else seen.turned.force
+        return seen.history.twist if seen.history.twist.size else None
     column = None if watched is None or watched.force is None else watched.force.column
     return None if column is None or column >= seen.forces.shape[1] else seen.forces[:, column]
 
@@ -498,10 +494,8 @@ def differences(coarse: Seen, fine: Seen, extent: float) -> dict[str, float]:
         return {}
     _, position, force = apart(*both, extent)
     found = {"position": position} | ({"force": force} if force is not None else {})
-    turned = at_common_times(coarse.turned, fine.turned) if coarse.turned and fine.turned else None
-    if turned is not None and float(np.ptp(turned[1].force)) > TWIST:
-        found["twist"] = float(np.abs(turned[0].force - turned[1].force).max() / np.ptp(turned[1].force))
-    return found
+    twist = twist_apart(*both)
+    return found | ({"twist": twist} if twist is not None else {})
 
 
 def changes(coarse: Seen, fine: Seen, extent: float, force: int | None) -> dict[str, float]:
@@ -522,12 +516,7 @@ def changes(coarse: Seen, fine: Seen, extent: float, force: int | None) -> dict[
 
 def look_at(result: Result, watched: Watched) -> Seen:
     """What of a run is compared."""
-    history = watched.of(result)
-    forces = NONE if watched.force is None else all_forces(result)
-    if "torque" not in result or "rotation" not in result or result["rotation"].ndim != 2:
-        return Seen(history, None, forces)
-    rotation = np.asarray(result["rotation"], float)
-    return Seen(history, history._replace(force=rotation[:, -1] - rotation[:, 0]), forces)
+    return Seen(watched.of(result), NONE if watched.force is None else all_forces(result))
 
 
 def run_to_accuracy(
@@ -692,12 +681,13 @@ def _attributes_and_warnings(choice: Choice, interval_key: str) -> tuple[dict[st
     attributes: dict[str, Any] = {"accuracy": choice.record()}
     errors, watched = choice.errors(), choice.watched
     if errors and watched is not None:
-        size = motion(choice.made[-1].seen.history, watched.extent)  # type: ignore[union-attr]
+        history = choice.made[-1].seen.history  # type: ignore[union-attr]
+        size = motion(history, watched.extent)
         others = tuple(run.step for run in choice.made[-2::-1] if run.seen is not None)
         attributes["step_error"] = StepError(
             min(others), watched.point_said, errors["position"] * size, errors["position"],
             watched.force_said, errors.get("force"), others,
-        )._asdict()  # fmt: skip
+        )._replace(**of_twist(errors.get("twist"), history))._asdict()  # fmt: skip
     between = choice.between
     if between is not None:
         attributes["between_frames"] = between.record()

@@ -123,31 +123,40 @@ def real_time(study: Study) -> list[Row]:
     return sorted(rows, key=lambda row: _largest(study, row))
 
 
-def judges_force(study: Study) -> bool:
-    """Whether forces count: not where those of the reference are not known to the tolerance themselves."""
-    return study.reference is None or (study.reference.force_error or 0.0) <= study.tolerance
+def doubts(study: Study) -> dict[str, float]:
+    """By how much the reference's force and twist may be off themselves, relative; zero where that is not known."""
+    found = study.reference
+    return {"force": (found and found.force_error) or 0.0, "twist": (found and found.twist_error) or 0.0}
+
+
+def _not_judged(study: Study) -> list[str]:
+    """What does not count, of force and twist: what the reference does not know to the tolerance itself."""
+    return [kind for kind, doubt in doubts(study).items() if doubt > study.tolerance]
+
+
+def _further(study: Study, row: Row) -> dict[str, float]:
+    """Errors of a run in force and twist, those that count."""
+    assert row.errors is not None
+    found = {"force": row.errors.force, "twist": row.errors.twist}
+    return {kind: x for kind, x in found.items() if x is not None and kind not in _not_judged(study)}
 
 
 def _largest(study: Study, row: Row) -> float:
-    """The largest error of a run: of position, of the force's amplitude, and of phase in rad.
+    """The largest error of a run: of position, of the force's amplitude, of twist, and of phase in rad.
 
     A phase of so many radians moves an oscillation by as large a share of its amplitude. Where a slow motion carries a
     small oscillation, the position does not show that.
     """
     assert row.errors is not None
-    force = row.errors.force if judges_force(study) else None
-    return max(row.errors.position, force or 0.0, row.errors.phase or 0.0)
+    return max(row.errors.position, row.errors.phase or 0.0, *_further(study, row).values())
 
 
 def _judged(study: Study, row: Row) -> float:
     """The largest error of a run together with that of the reference."""
     assert row.errors is not None
-    force = (study.reference.force_error or 0.0) if study.reference is not None else 0.0
-    own = _own(study)
-    found = [row.errors.position + own, (row.errors.phase or 0.0) + own]
-    if judges_force(study) and row.errors.force is not None:
-        found.append(row.errors.force + force)
-    return max(found)
+    own, doubt = _own(study), doubts(study)
+    further = [error + doubt[kind] for kind, error in _further(study, row).items()]
+    return max(row.errors.position + own, (row.errors.phase or 0.0) + own, *further)
 
 
 def advice(study: Study) -> str:
@@ -163,8 +172,12 @@ def advice(study: Study) -> str:
 
 def _advice(study: Study) -> str:
     asked = f"an error below {100.0 * study.tolerance:.3g} %"
-    if not judges_force(study):
-        asked += " in position and phase (the reference does not know the force so well)"
+    if left_out := _not_judged(study):
+        twists = any(row.errors is not None and row.errors.twist is not None for row in study.rows)
+        kinds = ["position", "force", *(["twist"] if twists else []), "phase"]
+        *judged, last = [kind for kind in kinds if kind not in left_out]
+        unknown = " and the ".join(left_out)
+        asked += f" in {', '.join(judged)} and {last} (the reference does not know the {unknown} so well)"
     if study.reference is None:
         return "no advice: there is no reference to judge by"
     enough, live = good_enough(study), real_time(study)
@@ -187,9 +200,7 @@ def _uncertainty(study: Study, best: Row) -> str:
     """What is unknown of a run that would be good enough if its reference were right."""
     if study.reference is None or best.errors is None or _largest(study, best) > study.tolerance:
         return ""
-    own = _own(study)
-    if judges_force(study) and best.errors.force is not None:
-        own = max(own, study.reference.force_error or 0.0)
+    own = max([_own(study), *(doubts(study)[kind] for kind in _further(study, best))])
     return f", beside a reference that may be off by {100.0 * own:.2g} % itself"
 
 
@@ -225,6 +236,8 @@ def _described(row: Row) -> str:
     error = f"error {100.0 * row.errors.position:.2g} %"
     if row.errors.force is not None:
         error += f", of the force {100.0 * row.errors.force:.2g} %"
+    if row.errors.twist is not None:
+        error += f", of the twist {100.0 * row.errors.twist:.2g} %"
     if row.errors.phase is not None:
         error += f", phase {row.errors.phase:.2g} rad"
     return f"{setting} ({error}, real-time factor {row.factor:.2g})"

@@ -282,6 +282,14 @@ def still(watched: Watched) -> str:
     return f"{watched.point_said} does not move: no error can be seen there; name another with --point, if any does"
 
 
+def _not_proved(what: str, difference: float) -> str:
+    """What there is to say of a force or a twist that the reference does not know to the tolerance."""
+    return (
+        f"only position is proved: {what} differs by {100.0 * difference:.2g} % between the two finest runs of the "
+        "reference, and smaller errors of it mean nothing"
+    )
+
+
 def _row(trial: Trial, watched: Watched, reference: Reference | None) -> Row:
     if not trial.done or trial.result is None or reference is None:
         return Row(trial, None)
@@ -308,10 +316,11 @@ def _warnings(
         found.append(f"{text}; errors below {max(reference.error, 1e-16):.1e} mean nothing")
     if reference is not None and reference.force_error is not None and reference.force_error > tolerance:
         found.append(
-            f"only position is proved: the amplitude of the force differs by {100.0 * reference.force_error:.2g} % "
-            "between the two finest runs of the reference, and smaller errors of it mean nothing. A smaller "
-            "solver.tolerance lets less of the iterations be seen in it"
+            f"{_not_proved('the amplitude of the force', reference.force_error)}. A smaller solver.tolerance lets less "
+            "of the iterations be seen in it"
         )
+    if reference is not None and reference.twist_error is not None and reference.twist_error > tolerance:
+        found.append(_not_proved(f"the {watched.twist_said}", reference.twist_error))
     if tangent is not None and tangent > WRONG_TANGENT:
         found.append(
             f"a tangent is wrong by {tangent:.1e} of its size: implicit methods iterate more than they should, and "

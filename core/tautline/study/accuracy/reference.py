@@ -54,6 +54,8 @@ class Reference:
         Estimated error of its mesh, relative, where meshes are compared; what is proved is the step.
     force_error : float or None
         Difference of the force's amplitude between the two finest, over that amplitude: only position is proved.
+    twist_error : float or None
+        Difference of a string's twist between the two finest, over what it varies by: as of a method of first order.
     """
 
     trial: Trial
@@ -66,6 +68,7 @@ class Reference:
     why: str
     mesh_error: float = 0.0
     force_error: float | None = None
+    twist_error: float | None = None
 
     @property
     def step(self) -> float:
@@ -125,7 +128,7 @@ def find_reference(
         if len(runs) >= ENOUGH:
             best = _judged(runs, watched, tolerance, float(method_of(setting.method).order))
             proved = best if best.converged else proved
-            if best.converged and (finest is not None or _clear(best, judged, watched)):
+            if best.converged and (finest is not None or _clear(best, judged, watched, SHARE * tolerance)):
                 return best
         spent = trial.cpu_time or 0.0
         named = finest is not None and step <= finest * (1.0 + 1e-9) and len(runs) >= ENOUGH
@@ -135,8 +138,10 @@ def find_reference(
     return proved or best
 
 
-def _clear(reference: Reference, judged: Sequence[History], watched: Watched) -> bool:
-    """Whether the reference's own error is well below those of all runs that it judges."""
+def _clear(reference: Reference, judged: Sequence[History], watched: Watched, twist: float) -> bool:
+    """Whether the reference's own error is well below those of all runs that it judges, and of twist below a share."""
+    if (reference.twist_error or 0.0) > twist:
+        return False
     errors = (compare(history, reference.history, watched.extent).position for history in judged)
     return all(error >= CLEAR * reference.error for error in errors) or reference.error <= ROUNDING
 
@@ -163,11 +168,11 @@ def _order(coarse: tuple[float, float], fine: tuple[float, float], floor: float 
 def _judged(runs: list[tuple[Trial, History]], watched: Watched, tolerance: float, order: float) -> Reference:
     """What the last four runs, and the differences of all before, say of the finest."""
     found: list[tuple[float, float]] = []
-    force: float | None = None
+    force, twist = None, None
     for (trial, coarse), (_, fine) in itertools.pairwise(runs):
         errors = compare(coarse, fine, watched.extent)
         found.append((float(trial.attribute("step")), errors.position))
-        force = errors.force
+        force, twist = errors.force, errors.twist
     second = found[-1][1]
     floor = _rounding(runs[-1][1], watched.extent, int(runs[-1][0].attribute("steps") or 1))
     orders = [_order(found[i], found[i + 1], floor) for i in (-3, -2)]
@@ -186,5 +191,14 @@ def _judged(runs: list[tuple[Trial, History]], watched: Watched, tolerance: floa
         why.append(f"the observed orders are {seen}, not {order:g}: laws that switch, or steps still too long")
     trial, history = runs[-1]
     return Reference(
-        trial, history, trial.setting, tuple(found), observed, error, not why, "; ".join(why), force_error=force
+        trial,
+        history,
+        trial.setting,
+        tuple(found),
+        observed,
+        error,
+        not why,
+        "; ".join(why),
+        force_error=force,
+        twist_error=twist,
     )

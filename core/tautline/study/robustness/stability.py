@@ -105,7 +105,7 @@ def stability(
         found[2] = variants(subject, tolerance, budget, point, quick, None, progress)
     except Interrupted:
         interrupted = True
-    warnings = tuple([] if watched is None or watched.moves else [still(watched)]) + tuple(
+    warnings = tuple([] if watched is None or not watched.rests else [still(watched)]) + tuple(
         _warnings(critical, tangent, found[2])
     )
     left_out = left_out_of(subject) if quick else ()

@@ -46,7 +46,7 @@ SAME_TIME = 1.0e-9
 """Share of a run within which two frames are of one time."""
 LARGEST, SMALLEST = "largest", "smallest"
 WAYS = {LARGEST: 1.0, SMALLEST: -1.0}
-"""Rules by which figures of pieces of a run are joined, and which way such a figure moves with more frames."""
+"""Extremes over all frames, and which way such a figure moves with more of them."""
 INTERVAL = "output.interval"
 
 Figures = Mapping[str, Mapping[str, Any]]
@@ -212,11 +212,11 @@ def _figures(model: Model, result: Result) -> Figures:
     return without_rounding(model.headline(result), result, step)
 
 
-def _way(model: Model, name: str) -> float:
+def way_of(model: Model, name: str) -> float:
     """Which way a figure moves with more frames: 1, -1, or 0 where it is no extreme."""
     if name == model.blow:
         return WAYS[LARGEST]
-    rules = model.statistics.get("rules", {})
+    rules = {**model.statistics.get("rules", {}), **model.extremes}
     return next((WAYS.get(rule, 0.0) for pattern, rule in rules.items() if re.fullmatch(pattern, name)), 0.0)
 
 
@@ -234,7 +234,7 @@ def _missed(model: Model, fine: Result, places: np.ndarray, seen: Figures, shown
     others: list[Figures] = [_figures(model, fine.of_frames(places))]
     found: list[Missed] = []
     for name, figure in seen.items():
-        way, whole = _way(model, name), _value(seen, name)
+        way, whole = way_of(model, name), _value(seen, name)
         here, own = _value(others[0], name), _value(shown, name)
         if not way or whole is None or here is None or own is None:
             continue

@@ -1,6 +1,7 @@
-"""How far a run is from a reference: in position, in force, in phase, and by the thesis' eq. 2.173.
+"""How far a run is from a reference: in position, force, twist and phase, and by the thesis' eq. 2.173.
 
-All but the last are relative: to the largest way of the point, to the force's amplitude, to a radian.
+All but the last are relative: to the largest way of the point, to the force's amplitude, to what the twist varies by,
+to a radian.
 """
 
 from __future__ import annotations
@@ -9,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from tautline.study.trials.history import RESTING, History
+from tautline.study.trials.history import RESTING, History, twists
 
 PERIODS = 2.0
 """Periods of a mode that a record must hold for its phase to mean something."""
@@ -34,12 +35,15 @@ class Errors(NamedTuple):
         Mean lag of the motion's first mode, rad.
     rmse : float
         Root of the mean square of the difference in the point's distance from the origin, m: eqs 2.172 and 2.173.
+    twist : float or None
+        Largest difference of a string's twist, over what that varies by.
     """
 
     position: float
     force: float | None
     phase: float | None
     rmse: float
+    twist: float | None = None
 
 
 def compare(run: History, reference: History, extent: float) -> Errors:
@@ -55,16 +59,26 @@ def compare(run: History, reference: History, extent: float) -> Errors:
     exact = at_times(reference, run.time)
     _, position, force = apart(run, exact, extent)
     norms = np.linalg.norm(run.position, axis=1) - np.linalg.norm(exact.position, axis=1)
-    return Errors(position, force, _phase(run, exact), float(np.sqrt(np.mean(norms**2))))
+    rmse = float(np.sqrt(np.mean(norms**2)))
+    return Errors(position, force, _phase(run, exact), rmse, twist_apart(run, exact))
 
 
 def apart(run: History, exact: History, extent: float) -> tuple[float, float, float | None]:
     """How far two histories of the same times are apart: largest distance, m, and that of position and of force.
 
-    The last two are relative, as in :class:`Errors`.
+    The last two are relative, as in :class:`Errors`. Of a string that turns in place, what its point does within what
+    counts as rest is left by iterations: the position is right.
     """
-    distance = float(np.linalg.norm(run.position - exact.position, axis=1).max())
-    return distance, distance / motion(exact, extent), _force(run.force, exact.force)
+    distance, size = float(np.linalg.norm(run.position - exact.position, axis=1).max()), motion(exact, extent)
+    rests = twists(exact.twist) and max(distance, size) <= RESTING * extent
+    return distance, 0.0 if rests else distance / size, _force(run.force, exact.force)
+
+
+def twist_apart(run: History, exact: History) -> float | None:
+    """Largest difference of the twist of a string, over what it varies by; None where it hardly varies."""
+    if not run.twist.size or not twists(exact.twist):
+        return None
+    return float(np.abs(run.twist - exact.twist).max() / np.ptp(exact.twist))
 
 
 def ends_apart(run: np.ndarray, exact: np.ndarray) -> float:
@@ -96,13 +110,13 @@ def at_times(history: History, time: np.ndarray) -> History:
     if history.time.size == time.size and np.allclose(history.time, time, rtol=0.0, atol=1e-12 * max(1.0, time[-1])):
         return history
     if history.time.size < 4:
-        force = np.interp(time, history.time, history.force) if history.force.size else history.force
         columns = [np.interp(time, history.time, column) for column in history.position.T]
-        return History(time, np.stack(columns, axis=1), force)
+        scalars = (np.interp(time, history.time, x) if x.size else x for x in (history.force, history.twist))
+        return History(time, np.stack(columns, axis=1), *scalars)
     from scipy.interpolate import CubicSpline
 
-    force = CubicSpline(history.time, history.force)(time) if history.force.size else history.force
-    return History(time, CubicSpline(history.time, history.position)(time), force)
+    scalars = (CubicSpline(history.time, x)(time) if x.size else x for x in (history.force, history.twist))
+    return History(time, CubicSpline(history.time, history.position)(time), *scalars)
 
 
 def _force(run: np.ndarray, exact: np.ndarray) -> float | None:

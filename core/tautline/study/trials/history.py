@@ -1,4 +1,4 @@
-"""What of a run is compared: the path of a point, and the axial force in an element."""
+"""What of a run is compared: the path of a point, the axial force in an element, and the twist of a string."""
 
 from __future__ import annotations
 
@@ -22,6 +22,11 @@ RESTING = 1.0e-9
 MOVES = 1.0e-3
 """Share of the largest motion from which the last point is the one to look at, and not the one between the ends that
 moves most: an end may be held, or led by what moves it."""
+
+TWIST = 0.05
+"""Twist of a string, rad, from which it is looked at: by so much it has to vary."""
+OF_STRING = "twist of the string"
+"""What this is called in a sentence."""
 
 
 class Place(NamedTuple):
@@ -48,17 +53,20 @@ class Place(NamedTuple):
 
 
 class History(NamedTuple):
-    """Time (m,) s, position (m, 3) m, axial force (m,) N, or empty where a scene has none."""
+    """Time (m,) s, position (m, 3) m, axial force (m,) N, twist of a string (m,) rad; empty where a scene has none."""
 
     time: np.ndarray
     position: np.ndarray
     force: np.ndarray
+    twist: np.ndarray = np.zeros(0)
 
 
 class Watched(NamedTuple):
-    """The point and the force that a study looks at, the size of the scene, m, and whether the point moves.
+    """The point and the force that a study looks at, the size of the scene, m, and whether point or twist moves.
 
-    `point_said` and `force_said` are both as a sentence has them: ``position of payload``; empty where there is none.
+    `point_said`, `force_said` and `twist_said` are as a sentence has them: ``position of payload``; empty where there
+    is none. The twist is that between both ends of a string. `rests` is whether the point does not move: a string may
+    turn in place.
     """
 
     point: Place
@@ -67,18 +75,21 @@ class Watched(NamedTuple):
     moves: bool
     point_said: str
     force_said: str
+    twist_said: str = ""
+    rests: bool = False
 
     def of(self, result: Result) -> History:
         """The history of a run of the scene, or of a variant of it."""
         position = _at(result, self.point, 2)
         force = np.zeros(0) if self.force is None else _at(result, self.force, 1)
-        return History(np.asarray(result.time, float), position, force)
+        return History(np.asarray(result.time, float), position, force, _twist(result))
 
 
 def watch(result: Result, point: str | None = None) -> Watched:
     """Choose what to look at: the far end, or what moves most where that is held, and the force that varies most.
 
-    A hose's tip that is held gives way to the hose's nodes.
+    A hose's tip that is held gives way to the hose's nodes. Of a string that turns the twist is looked at as well: what
+    sticks and slips turns while it hardly moves.
 
     Parameters
     ----------
@@ -99,8 +110,22 @@ def watch(result: Result, point: str | None = None) -> Watched:
     chosen = _named(result, point) if point is not None else _far_end(result, there)
     way = _ways(_at(result, chosen, 2)).max()
     force = _force(result)
-    said = _name_of(result, chosen), _name_of(result, force)
-    return Watched(chosen, force, extent, bool(way > RESTING * extent), *said)
+    moved, turned = bool(way > RESTING * extent), twists(_twist(result))
+    said = _name_of(result, chosen), _name_of(result, force), OF_STRING if turned else ""
+    return Watched(chosen, force, extent, moved or turned, *said, rests=not moved)
+
+
+def twists(twist: np.ndarray) -> bool:
+    """Whether a twist (m,) rad varies so much that it is looked at."""
+    return bool(twist.size) and float(np.ptp(twist)) > TWIST
+
+
+def _twist(result: Result) -> np.ndarray:
+    """By how much the far end of a string is turned against the first (m,) rad; empty for what has no torque."""
+    if "torque" not in result or "rotation" not in result or result["rotation"].ndim != 2:
+        return np.zeros(0)
+    rotation = np.asarray(result["rotation"], float)
+    return rotation[:, -1] - rotation[:, 0]
 
 
 def _name_of(result: Result, place: Place | None) -> str:

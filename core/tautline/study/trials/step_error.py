@@ -18,6 +18,8 @@ be three times as wrong as it is. Of the force the highest and the lowest value 
 A blow, such as the tension at which a slack rope comes taut, is an event by itself: a force that is right while it
 swings says nothing of it. Where all runs have one, their largest blows are compared, too, as of first order, where the
 other steps are shorter. Of one longer step the difference is chance: it told from 0.15 to 10 times the error.
+
+A string that sticks and slips turns, and its bit hardly moves. So its twist is compared, too, in the way of a position.
 """
 
 from __future__ import annotations
@@ -46,8 +48,8 @@ from tautline.study.trials.between_frames import (
     frames_for_each,
     well_divided,
 )
-from tautline.study.trials.errors import HARDLY, apart, ends_apart
-from tautline.study.trials.history import History, Watched, watch
+from tautline.study.trials.errors import HARDLY, apart, ends_apart, twist_apart
+from tautline.study.trials.history import OF_STRING, History, Watched, watch
 from tautline.study.trials.trial import GIVEN_UP, Setting, Subject, Trial
 from tautline.system.model import Model
 
@@ -116,6 +118,10 @@ class StepError(NamedTuple):
     blow, blow_size : float or None
         By how much it may be off, over itself, and itself, N. The first is None where it is not known: where the other
         steps are longer, or another run has no such blow.
+    twist_place : str
+        The twist that was looked at, that of a string; empty where a scene has none.
+    twist, twist_angle : float or None
+        By how much it may be off at most during the run, over what it varies by, and in rad; None where there is none.
     """
 
     step: float
@@ -135,6 +141,9 @@ class StepError(NamedTuple):
     blow_said: str = ""
     blow: float | None = None
     blow_size: float | None = None
+    twist_place: str = ""
+    twist: float | None = None
+    twist_angle: float | None = None
 
     @property
     def warning(self) -> str | None:
@@ -149,7 +158,7 @@ class StepError(NamedTuple):
         step, step_error : str
             What the step, and the error that steps are controlled by, are called in the scene's file.
         """
-        if not max(self.position, self.force or 0.0, self.blow or 0.0) > POOR:
+        if not max(self.position, self.force or 0.0, self.blow or 0.0, self.twist or 0.0) > POOR:
             return None
         text = f"{self._how_far_off()}. This is estimated from {self._other_runs()}. "
         steps, shorter = self.steps or (self.step,), "Take a shorter step"
@@ -168,11 +177,14 @@ class StepError(NamedTuple):
         return text + f"{shorter}, or run with --verify, which estimates it more closely from shorter steps"
 
     def _how_far_off(self) -> str:
-        """By how much place and force may be off; what is off by the larger share comes first."""
+        """By how much place, force and twist may be off; what is off by the larger share comes first."""
         way = f"{self.distance:.2g} m, {in_percent(self.position)} of its motion"
         told = [(self.position, f"the {self.place}", way)]
         if self.force is not None:
             told.append((self.force, f"the amplitude of the {self.force_place}", self._of_force()))
+        if self.twist is not None and self.twist_angle is not None:
+            off = quantity(float(f"{math.degrees(self.twist_angle):.2g}"), "deg")
+            told.append((self.twist, f"the {self.twist_place}", f"{off}, {in_percent(self.twist)}"))
         if self.blow is not None and self.blow_size is not None:
             off = quantity(float(f"{self.blow * self.blow_size:.2g}"), "N")
             told.append((self.blow, f"the {self.blow_said}", f"{off}, {in_percent(self.blow)}"))
@@ -411,7 +423,7 @@ def _stated(
     """The error of the first of some runs."""
     shorter = steps[1] < steps[0]
     pairs = [(0, i) for i in range(1, len(steps))] if shorter else [(i, i - 1) for i in range(1, len(steps))]
-    changes: list[tuple[float, float, float | None]] = []
+    changes: list[tuple[float, float, float | None, float | None]] = []
     for coarse, fine in pairs:
         common = at_common_times(histories[coarse], histories[fine])
         if common is None:
@@ -420,28 +432,34 @@ def _stated(
         if bound is not None and force is not None:
             # Errors of the highest and the lowest value may cancel in the amplitude.
             force = ends_apart(*(x.force for x in common))
-        changes.append((distance, position, force))
-    distances, positions, forces = (tuple(x) for x in zip(*changes, strict=True))
-    known = None if any(f is None for f in forces) else forces
+        changes.append((distance, position, force, twist_apart(*common)))
+    # Of what one of the runs does not show nothing is known.
+    shown_by_all = [None if None in kind else kind for kind in zip(*changes, strict=True)]
     ratios = [steps[i] / steps[i - 1] for i in range(1, len(steps))]
     if shorter:
         shares = [steps[i] / steps[0] for i in range(1, len(steps))]
-        found = [from_shorter(x, shares) if x is not None else None for x in (distances, positions, known)]
+        found = [from_shorter(x, shares) if x is not None else None for x in shown_by_all]
     else:
-        orders = (ORDER, ORDER, FORCE_ORDER)
-        both = zip((distances, positions, known), orders, strict=True)
+        both = zip(shown_by_all, (ORDER, ORDER, FORCE_ORDER, ORDER), strict=True)
         found = [from_longer(x, ratios, order) if x is not None else None for x, order in both]
     if not np.isfinite([x for x in found if x is not None]).all():
         return "the runs with other steps differ too much for an estimate"
     place, force_place = watched.point_said, watched.force_said
-    distance, position, force = found
+    distance, position, force, twist = found
     assert distance is not None and position is not None
     seen = histories[0].force
     amplitude, largest = (0.5 * float(np.ptp(seen)), float(np.abs(seen).max())) if seen.size else (None, None)
     return StepError(
-        min(steps[1:]), place, distance, position, force_place, force, tuple(steps[1:]), distances, bound, steps[0],
-        amplitude, largest,
-    )  # fmt: skip
+        min(steps[1:]), place, distance, position, force_place, force, tuple(steps[1:]),
+        tuple(change[0] for change in changes), bound, steps[0], amplitude, largest,
+    )._replace(**of_twist(twist, histories[0]))  # fmt: skip
+
+
+def of_twist(error: float | None, run: History) -> dict[str, Any]:
+    """What `StepError` has of a string's twist that is off by a share of what it varies by in a run."""
+    if error is None:
+        return {}
+    return {"twist_place": OF_STRING, "twist": error, "twist_angle": error * float(np.ptp(run.twist))}
 
 
 def from_shorter(changes: Sequence[float], shares: Sequence[float]) -> float:
@@ -503,6 +521,5 @@ def at_common_times(first: History, second: History) -> tuple[History, History] 
 
 
 def _frames(history: History, which: np.ndarray) -> History:
-    return History(
-        history.time[which], history.position[which], history.force[which] if history.force.size else history.force
-    )
+    scalars = (x[which] if x.size else x for x in (history.force, history.twist))
+    return History(history.time[which], history.position[which], *scalars)
