@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from functools import partial
 from typing import Any
@@ -15,6 +14,9 @@ from tautline.results.on_demand import OnDemand
 from tautline.results.result import Result
 from tautline.system.model import Model
 
+FEW = 3
+"""Steps in an interval up to which each of them may have a frame."""
+
 
 def on_demand(model: Model, frames: Frames) -> OnDemand:
     """The variables of frames that stay as they are, and their time, each made when it is asked for."""
@@ -25,13 +27,15 @@ def on_demand(model: Model, frames: Frames) -> OnDemand:
 
 
 class FinerFrames:
-    """Further frames of a run, evenly between its own. They are in memory, and nothing is made of them before it is
+    """Further frames of a run, at steps between its own. They are in memory, and nothing is made of them before it is
     asked for.
+
+    Of small scenes a frame costs as much as a step: unless an interval has few steps, two lie between two frames.
 
     Parameters
     ----------
     count : int
-        How many there are for each of the run's own, with that one: a divisor of the steps between two of these.
+        How many there are at most for each of the run's own, with that one.
 
     Attributes
     ----------
@@ -48,16 +52,24 @@ class FinerFrames:
     def divide(self, ends: np.ndarray, steps: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Times (m,) s of all frames, and the steps before each, from those of the run's own.
 
-        A last interval that is shorter has as many as divide its steps too.
+        They stand after whole steps, as evenly as these allow: five steps have frames after 2, 3 and 5.
         """
-        parts = {int(n): math.gcd(int(n), self.count) for n in np.unique(steps)}
-        counts = np.array([parts[int(n)] for n in steps], np.int64)
-        last = np.repeat(np.cumsum(counts), counts)
-        behind = last - np.arange(1, last.size + 1)
-        whole = np.repeat(np.diff(ends, prepend=0.0) / counts, counts)
-        self.own = np.append(True, behind == 0)
+        begins = np.append(0.0, ends[:-1])
+        cuts = {int(n): self._cuts(int(n)) for n in set(steps.tolist())}
+        times, counts, own = [], [], [True]
+        for begin, end, n in zip(begins, ends, steps.tolist(), strict=True):
+            cut = cuts[n]
+            times.append(np.append(begin + (end - begin) * cut[:-1] / n, end))
+            counts.append(np.diff(cut, prepend=0))
+            own += [False] * (cut.size - 1) + [True]
+        self.own = np.array(own)
         self._rows, self._taken = [], 0
-        return np.repeat(ends, counts) - behind * whole, np.repeat(steps // counts, counts)
+        return np.concatenate(times), np.concatenate(counts)
+
+    def _cuts(self, steps: int) -> np.ndarray:
+        """Steps (k,) of an interval after which a frame stands, its own among them."""
+        parts = min(self.count, steps, max(FEW, steps // 2))
+        return np.array([round(k * steps / parts) for k in range(1, parts + 1)], np.int64)
 
     def take(self, frames: Frames) -> Frames:
         """Keep frames as they come, and return those of them that are the run's own."""

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+import yaml
 from physics.pipes.hoses import scene
 from study.test_between_frames import BOUNCE, PEAK
 
@@ -14,7 +15,7 @@ from tautline.finer_frames import FinerFrames
 from tautline.integrators.status import Interrupted
 from tautline.results.result import Result
 from tautline.simulation import simulate
-from tautline.study.accuracy.choice import NOT_LOOKED, with_frames_between
+from tautline.study.accuracy.choice import NOT_LOOKED
 from tautline.study.trials.between_frames import FINER, at_times, divisor, well_divided
 from tautline.study.trials.history import ENDS, watch
 from tautline.study.trials.trial import Setting, Subject
@@ -41,11 +42,12 @@ def test_frames_in_between_are_those_of_the_run_itself_and_only_its_own_are_stor
     finer = FinerFrames(4)
     stored = simulate(subject.model(Setting(method, 0.3 / 12)), tmp_path / "run.nc", finer=finer)
     fine = finer.result(plain, stored.attributes)
-    assert fine.time.size == (21 if end == 1.5 else 19) and Result.read(tmp_path / "run.nc").time == pytest.approx(
+    assert fine.time.size == (21 if end == 1.5 else 20) and Result.read(tmp_path / "run.nc").time == pytest.approx(
         own.time
     )
     for name in ("tension", "body_position", "strain_energy", "external_work"):
         assert stored[name] == pytest.approx(own[name], rel=1e-9, abs=1e-9)
+        # The last interval holds three frames, and the other run stores two in it.
         assert at_times(fine, every.time)[name] == pytest.approx(at_times(every, fine.time)[name], rel=1e-9, abs=1e-9)
 
 
@@ -65,10 +67,29 @@ def test_a_run_with_frames_in_between_that_is_ended_is_gone_on_with_from_between
     assert rest["tension"] == pytest.approx(whole["tension"], rel=1e-9) and stop.value.result is not None
 
 
-@pytest.mark.parametrize("least", [1, 3, 4.2, 11, 13, 37, 97])
-def test_steps_of_an_explicit_run_are_no_longer_than_asked_and_frames_between_divide_them(least):
-    steps = with_frames_between(least)
-    assert least <= steps <= least + 5 and divisor(steps) >= min(5, steps)
+@pytest.mark.parametrize("last", [1, 2, 5, 44, 72, 257])
+@pytest.mark.parametrize("steps", [1, 2, 3, 5, 7, 13, 97])
+def test_frames_in_between_stand_after_whole_steps_in_the_last_interval_too(steps, last):
+    ends, counts = np.array([0.7, 1.4, 1.4 + 0.7 * last / 400.0]), np.array([steps, steps, last])
+    finer = FinerFrames(8)
+    times, between = finer.divide(ends, counts)
+    assert times[finer.own[1:]] == pytest.approx(ends) and between.sum() == counts.sum() and between.min() >= 1
+    begins = np.append(0.0, times[:-1])
+    lengths = {round(x, 12) for x in (times - begins) / between}
+    assert lengths == {round(0.7 / steps, 12), round(0.7 / 400.0, 12)}
+    for n, made in ((steps, finer.own[1:].argmax() + 1), (last, int((times > 1.4 + 1e-12).sum()))):
+        assert made == min(n, 8, max(3, n // 2))
+
+
+def test_what_happens_in_a_last_interval_of_a_prime_number_of_steps_is_seen():
+    """A load half of which drops: the rope goes slack between the last two frames."""
+    scene = yaml.safe_load(BOUNCE)
+    scene["bodies"][0]["release"] = {"at": 0.79, "remaining": 0.45 * float(scene["bodies"][0]["mass"])}
+    scene["output"], scene["solver"]["end"] = {"interval": 0.7}, 1.33
+    told = tautline.simulate(tautline.read(scene), accuracy="1 %")
+    every = tautline.simulate(tautline.read(scene | {"output": {"interval": 0.002}}))
+    seen = {one["name"]: one["finer"] for one in told.between_frames["figures"]}
+    assert seen["max_rise"] == pytest.approx(every.headline["max_rise"]["value"], rel=0.1)
 
 
 def test_whether_anyone_looks_between_frames_does_not_hang_on_the_number_of_steps():

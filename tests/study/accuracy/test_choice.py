@@ -10,7 +10,7 @@ from study.oscillators import OMEGA, START, oscillator
 
 from tautline.cable.application import Cable
 from tautline.cable.input.scene import parse
-from tautline.integrators.status import Status, StoppedEarly
+from tautline.integrators.status import Interrupted, Status, StoppedEarly
 from tautline.results.result import Result
 from tautline.run import Run
 from tautline.simulation import simulate
@@ -383,3 +383,21 @@ def test_a_run_whose_step_was_chosen_is_gone_on_with_at_that_step(command, tmp_p
     code, out, _ = command("simulate", "mass.yaml", "--end", "6", "--resume", "first.nc", "-o", "on.nc", "--json")
     assert code == 0
     assert only_object(out)["step"] == Result.read("first.nc").attributes["step"]
+
+
+def test_a_run_that_is_left_while_its_step_is_chosen_is_gone_on_with_at_the_step_it_had(command, tmp_path):
+    text = oscillator(accuracy="1 %")
+    (tmp_path / "mass.yaml").write_text(text)
+    scene = parse(text)
+    left = Cable().build(Cable().with_overrides(scene, step=0.0125, control="fixed"))
+
+    def leave(*_):
+        raise KeyboardInterrupt
+
+    with pytest.raises(Interrupted):
+        simulate(left, tmp_path / "left.nc", leave)
+    assert Result.read(tmp_path / "left.nc").accuracy is None
+    code, out, _ = command("simulate", "mass.yaml", "--resume", "left.nc", "-o", "on.nc", "--json")
+    assert code == 0
+    assert only_object(out)["step"] == pytest.approx(0.0125, rel=1e-9)
+    assert Cable().build(scene).solver.step != pytest.approx(0.0125)

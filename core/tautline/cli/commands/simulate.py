@@ -277,7 +277,7 @@ def _accuracy(
     if asked is None:
         return scene, None
     if earlier is not None:
-        chosen = earlier.accuracy or {}
+        chosen = earlier.accuracy or _taken_by(earlier)
         keep = {key: chosen.get(key) for key in ("method", "step") if overrides.get(key) is None}
         return application.with_overrides(scene, **keep, control="fixed" if chosen else None), None
     given = [f"--{key}" for key in ("method", "step") if overrides.get(key) is not None]
@@ -286,6 +286,14 @@ def _accuracy(
         say(f"note: nothing is chosen for an accuracy of {100.0 * asked:.3g} %, because {given[0]} is given")
         return scene, None
     return scene, float(asked)
+
+
+def _taken_by(earlier: Result) -> dict[str, Any]:
+    """Method and step of a run that did not come to its end, and so does not say what was chosen; empty where its steps
+    were not all as long."""
+    taken = {key: earlier.attributes.get(key) for key in ("method", "step")}
+    fixed = "longest_step" not in earlier.attributes and None not in taken.values()
+    return taken if fixed else {}
 
 
 def _to_accuracy(application: Application, scene: Any, asked: float, target: Path, bar: Bar, quiet: bool) -> Result:

@@ -37,14 +37,7 @@ from tautline.scene.methods import explicit_like, implicit_like, method_of
 from tautline.simulation import Afterwards, simulate
 from tautline.study.accuracy.grid import critical_at_start
 from tautline.study.accuracy.shape import order_of_one_shape
-from tautline.study.trials.between_frames import (
-    ENOUGH,
-    INTERVAL,
-    BetweenFrames,
-    between_frames,
-    divisor,
-    frames_for_each,
-)
+from tautline.study.trials.between_frames import FINER, INTERVAL, BetweenFrames, between_frames, room_for
 from tautline.study.trials.errors import apart, ends_apart, motion, twist_apart
 from tautline.study.trials.history import History, Watched, watch
 from tautline.study.trials.history import forces as all_forces
@@ -118,8 +111,6 @@ NEAR_TWO = 1.7
 """Order over times from which three runs with dry friction have no error of a slip in them."""
 NOT_LOOKED = "what happens between the stored frames is not known: to look there was interrupted"
 """The warning of a run that Ctrl-C reached as it was compared with its frames in between."""
-FEW = 3
-"""Steps in a frame up to which each of them may be kept."""
 SURE = 0.9
 """Share of an order that is shown over times, by which the next run is expected to be better."""
 
@@ -299,7 +290,7 @@ class Choice:
             return None
         method, divisor = last.method, self._next_divisor()
         if not method_of(method).explicit and divisor > EXPLICIT_GAIN * self.explicit:
-            method, divisor = explicit_like(method), with_frames_between(self.explicit)
+            method, divisor = explicit_like(method), math.ceil(self.explicit)
         self.why = self._reason_to_end(divisor)
         return None if self.why else (method, divisor)
 
@@ -407,7 +398,7 @@ class Choice:
     def _next_divisor(self) -> float:
         last = self.made[-1]
         if method_of(last.method).explicit:
-            return with_frames_between(EXPLICIT_RATIO * last.divisor)
+            return math.ceil(EXPLICIT_RATIO * last.divisor)
         if not math.isfinite(self.estimates[-1]):
             return finer(FIRST * last.divisor)
         errors, orders = self.errors(careful=False), self._orders_shown()
@@ -473,12 +464,6 @@ def finer(number: float) -> float:
     """The next of 1/2, 1, 2, 3, 4, 6, 8, 12, ... that is no less."""
     power = max(COARSEST, 2.0 ** math.ceil(math.log2(number) - 1e-9))
     return 0.75 * power if power >= 4.0 and 0.75 * power >= number * (1.0 - 1e-9) else power
-
-
-def with_frames_between(number: float) -> float:
-    """The next whole number of steps that is no less, and that enough frames between two others divide: 40 of 37."""
-    least = math.ceil(number)
-    return next(steps for steps in itertools.count(least) if steps < ENOUGH or divisor(steps) >= ENOUGH)
 
 
 def differences(coarse: Seen, fine: Seen, extent: float) -> dict[str, float]:
@@ -666,13 +651,9 @@ def _stable(application: Any, scene: Any, interval: float) -> float:
 
 
 def _further_frames(model: Model) -> FinerFrames | None:
-    """What takes frames between those of a run; None where a frame holds one step, or where there is no room.
-
-    Of small scenes a frame costs as much as a step: unless there are few of these, two lie between two frames at least.
-    """
-    step, (ends, _) = model.solver.step, frame_times(model.solver.end, model.solver.interval, model.solver.step)
-    steps, most = round(model.solver.interval / step), frames_for_each(model, step, step, ends.size)
-    count = divisor(steps, min(most, max(FEW, steps // 2)))
+    """What takes frames between those of a run; None where a frame holds one step, or where there is no room."""
+    ends, steps = frame_times(model.solver.end, model.solver.interval, model.solver.step)
+    count = min(FINER, room_for(model, ends.size), int(steps.max()))
     return FinerFrames(count) if count > 1 else None
 
 

@@ -155,9 +155,13 @@ def frames_for_each(model: Model, own: float, step: float, frames: int) -> int:
     than the steps of the run itself, which could not have it. It is 1 where there is none, or no room.
     """
     interval = float(model.solver.interval)
-    width = model.system.q.size * 4 + model.own + 1
-    most = min(interval / own * (1.0 + SAME_TIME), ROOM / (width * max(frames, 1)))
-    return divisor(round(interval / divided(interval, step)), int(most))
+    most = min(int(interval / own * (1.0 + SAME_TIME)), room_for(model, frames))
+    return divisor(round(interval / divided(interval, step)), most)
+
+
+def room_for(model: Model, frames: int) -> int:
+    """How many frames there is room for, for each of so many."""
+    return int(ROOM / ((model.system.q.size * 4 + model.own + 1) * max(frames, 1)))
 
 
 def divisor(steps: int, most: int = FINER) -> int:
