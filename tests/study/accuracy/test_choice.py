@@ -389,7 +389,7 @@ def test_a_run_that_is_left_while_its_step_is_chosen_is_gone_on_with_at_the_step
     text = oscillator(accuracy="1 %")
     (tmp_path / "mass.yaml").write_text(text)
     scene = parse(text)
-    left = Cable().build(Cable().with_overrides(scene, step=0.0125, control="fixed"))
+    left = Cable().build(Cable().with_overrides(scene, step=0.0025, control="fixed"))
 
     def leave(*_):
         raise KeyboardInterrupt
@@ -399,5 +399,5 @@ def test_a_run_that_is_left_while_its_step_is_chosen_is_gone_on_with_at_the_step
     assert Result.read(tmp_path / "left.nc").accuracy is None
     code, out, _ = command("simulate", "mass.yaml", "--resume", "left.nc", "-o", "on.nc", "--json")
     assert code == 0
-    assert only_object(out)["step"] == pytest.approx(0.0125, rel=1e-9)
-    assert Cable().build(scene).solver.step != pytest.approx(0.0125)
+    assert only_object(out)["step"] == pytest.approx(0.0025, rel=1e-9)
+    assert Cable().build(scene).solver.step != pytest.approx(0.0025)
