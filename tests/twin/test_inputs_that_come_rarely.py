@@ -9,6 +9,7 @@ from twin.test_inputs_that_come_back import MAP, finer_rows
 
 from tautline.twin.signals.rows import Rows
 from tautline.twin.signals.spacing import SHOWN_IN, Spacing
+from tautline.twin.storage import load, save
 from tautline.twin.twin import Twin
 
 INTERVAL = 0.05
@@ -173,3 +174,43 @@ def test_an_input_that_comes_again_is_waited_for_again():
     assert spacing.has_stopped(0) and spacing.waited(0.02) == 0.0
     spacing.take(3.0, np.array([1.0]))
     assert not spacing.has_stopped(0) and spacing.waited(0.02) == pytest.approx(0.6)
+
+
+@pytest.mark.parametrize("pauses", [[1, 9], [1, 7], [4, 12, 7, 5, 9], [2, 2, 16]])
+def test_rows_wait_for_the_longest_of_usual_pauses_of_an_input_that_comes_irregularly(pauses):
+    rows, comes = Rows(["in", "out"]), set(np.cumsum(pauses * 60).tolist())
+    rows.spacing.inputs = [0]
+    patience = []
+    for k in range(400):
+        rows.add(INTERVAL * k, {"in": 1.0 if k in comes else math.nan, "out": 0.01 * k})
+        while rows.ready() is not None:
+            pass
+        patience.append(rows.patience)
+    settled = np.array(patience[150:])
+    # Each row between two readings has the next one when it is answered.
+    assert settled.min() >= INTERVAL * max(pauses) and settled.max() <= 3.0
+    assert rows.spacing.is_told(0)
+
+
+@pytest.mark.parametrize("every", [15, 20])
+def test_an_input_that_comes_each_second_is_known_before_the_first_row_is_answered(every):
+    rows = Rows(["in", "out"])
+    rows.spacing.inputs = [0]
+    for k in range(100):
+        rows.add(INTERVAL * k, {"in": 1.0 if k % every == 0 else math.nan, "out": 0.01 * k})
+        if (row := rows.ready()) is not None:
+            assert rows.newest - row.time == pytest.approx(3 * every * INTERVAL)
+            return
+    pytest.fail("no row was answered")
+
+
+def test_how_often_an_input_comes_is_not_said_again_by_a_twin_that_goes_on(tmp_path):
+    twin, rows = Twin(HOIST, MAP), list(rows_with_winch(4, 6.0))
+    for stamp, readings in rows[:60]:
+        twin.add(stamp, readings)
+    assert len(told(twin)) == 1
+    save(twin, tmp_path / "state.npz")
+    again = Twin(HOIST, MAP)
+    load(again, tmp_path / "state.npz")
+    lines_of(again, rows[60:])
+    assert not told(again)

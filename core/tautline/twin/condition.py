@@ -64,7 +64,9 @@ def _faults(readings: Readings) -> list[str]:
             found.append(one.jump)
     for track in readings.tracks:
         if track.missing:
-            what = readings.rare.get(track.number, f"{track.channel.column} shows nothing now")
+            comes = readings.rows.spacing.has_come_since(track.number, track.time)
+            nothing = "has no reading near the time of the row" if comes else "shows nothing now"
+            what = readings.rare.get(track.number, f"{track.channel.column} {nothing}")
             found.append(f"{what}, so {track.channel.name} is made up")
         elif track.joining:
             found.append(f"{track.channel.name} was made up, and is on its way back to {track.channel.column}")

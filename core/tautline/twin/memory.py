@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 RECORDS = (Active, Checkpoint, Departure, Found, Logged, Passage, Row, Sample, State)
 OF_TWIN = ("now", "unsettled", "unsure", "doubts", "rests", "paused", "restarts", "_ends", "_ends_told", "starved")
-OF_READINGS = ("zeros", "far", "stepped", "step_found")
+OF_READINGS = ("zeros", "far", "stepped", "step_found", "rare_told")
 OF_ESTIMATE = (
     "from_rest", "_plain", "_passage", "_pending", "_gathered", "_slopes", "_bounce", "_steep", "_steep_at", "_begin",
     "_held", "_without_start",

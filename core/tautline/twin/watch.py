@@ -33,6 +33,8 @@ NOT_AHEAD = "cannot look ahead"
 machine does, an input that the driver moves is not measured, or the computer has no time."""
 SURE = 2.0
 """Standard deviations by which a computed value is beyond its bound for sure."""
+FAR_OFF = 10.0
+"""Standard deviations by which a residual is beyond its bound for sure, even where what is computed is in doubt."""
 UNSEEN = 1.0
 """For how long an input that the driver moves is not measured before that is told as `NOT_AHEAD`, s."""
 BEHIND = "behind the machine"
@@ -143,10 +145,20 @@ class Compared:
         guess_is_sure = np.isfinite(sd) and not self.unsure and surely_beyond(value, sd, bound)
         return not self.far and (self.converged or bool(guess_is_sure))
 
+    def off(self, size: float, sd: float, bound: Alarm) -> bool:
+        """Whether it tells something that a residual is beyond a bound: also one in doubt does that is far beyond it.
 
-def surely_beyond(value: float, sd: float, bound: Alarm) -> bool:
-    """Whether a computed value is beyond a bound by `SURE` standard deviations; by itself, where none is known."""
-    off = SURE * sd if np.isfinite(sd) else 0.0
+        What makes the computed value doubtful may be just what the residual shows.
+        """
+        followed = not self.far and self.time >= self.judged_from
+        return self.tells(size, sd, bound) or bool(
+            followed and np.isfinite(sd) and surely_beyond(size, sd, bound, FAR_OFF)
+        )
+
+
+def surely_beyond(value: float, sd: float, bound: Alarm, by: float = SURE) -> bool:
+    """Whether a computed value is beyond a bound by so many standard deviations; by itself, where none is known."""
+    off = by * sd if np.isfinite(sd) else 0.0
     return value - off > bound.above or value + off < bound.below
 
 
@@ -313,7 +325,7 @@ class Watch:
             return
         # As a multiple of its deviation it has one of 1.
         size, off = (abs(r) / sd, 1.0) if one.times_sd else (r, sd)
-        known = bool(np.isfinite(r) and row.use[m] and row.tells(size, off, one))
+        known = bool(np.isfinite(r) and row.use[m] and row.off(size, off, one))
         holds = known and beyond(size, one.above, one.below)
         tell = self._teller(one)
         text = f"{one.asked} is measured {tell(measured)}, expected {tell(measured - r)}" if known else ""

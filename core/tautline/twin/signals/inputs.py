@@ -16,7 +16,17 @@ from numpy.lib.stride_tricks import sliding_window_view
 from tautline.twin.map.plan import Channel
 from tautline.twin.pace import ONE_STAMP
 from tautline.twin.signals.row import Row
-from tautline.twin.signals.smoothing import bend_of, coming_to_rest, joined, noise_of, smooth, smooth_widely, third_of
+from tautline.twin.signals.smoothing import (
+    REST,
+    bend_of,
+    coming_to_rest,
+    joined,
+    motion_at_end,
+    noise_of,
+    smooth,
+    smooth_widely,
+    third_of,
+)
 from tautline.twin.signals.steps import Steps
 
 JOIN = 3.0
@@ -96,6 +106,7 @@ class InputTrack:
         self._bends: deque[float] = deque(maxlen=NOISES)
         self._thirds: deque[float] = deque(maxlen=NOISES)
         self.steps = Steps()
+        self._rest = REST  # time constant with which it comes to rest
         self._break = np.nan
         self._seen, self.noise = 0.0, 0.0
 
@@ -161,6 +172,8 @@ class InputTrack:
         near = times[good & (np.abs(times - row.time) <= reach + ONE_STAMP)] - row.time
         # Nothing is extrapolated: there is a sample on either side, or at the instant itself.
         if near.size == 0 or near[0] > ONE_STAMP or near[-1] < -ONE_STAMP:
+            if not self.missing:
+                self._end(times[good], values[good], reach)
             return self.hold(row.time)
         self.look(values[good])
         found = None
@@ -169,6 +182,9 @@ class InputTrack:
             found = smooth_widely(times[good], values[good], row.time, widest, narrowest, self.noise)
         if found is None:
             found = smooth(times[good], values[good], row.time, reach, self.noise)
+        # Rows have come since, and none with a reading; or this is the first one for a while.
+        if near[-1] <= ONE_STAMP and (self.missing or float(times[-1]) > row.time + ONE_STAMP):
+            found = np.array([found[0], *motion_at_end(times[good], values[good], reach, self.noise)])
         if row.after_gap or self._break == row.time or self.missing:
             # What made do without samples went on until now: it has not stood since the row before.
             self._join(found, self.hold(row.time))
@@ -232,11 +248,25 @@ class InputTrack:
         found = min(_median(self._noises), _median([*self._bends, *unknown])) / 0.6745
         return found if not np.isfinite(self.channel.sd) else max(found, self.channel.sd)
 
+    def _end(self, times: np.ndarray, values: np.ndarray, reach: float) -> None:
+        """Take up what is known of the motion behind the last of samples (n,): none has come since.
+
+        A place comes to rest as a machine does. A speed that is set stays: it leads on by no more than it has changed
+        between its last two readings, for what was set next nobody knows.
+        """
+        past = times <= self.time + ONE_STAMP
+        t, x = times[past], values[past]
+        if t.size == 0 or t[-1] < self.time - ONE_STAMP:  # what it has shown since then is not believed any more
+            return
+        left = self.state - self.shown if self.joining else np.zeros(3)
+        self.state = np.array([self.state[0], *(motion_at_end(t, x, reach, self.noise) + left[1:])])
+        self._rest = min(REST, 0.5 * float(t[-1] - t[-2])) if self.channel.is_set and t.size > 1 else REST
+
     def hold(self, time: float) -> np.ndarray:
         """State (3,) where there is no sample: what moves comes to rest."""
         if not self.missing:
             self.missing, self._held, self._held_at = True, self.state, self.time
-        self.state, self.time = coming_to_rest(self._held, time - self._held_at), time
+        self.state, self.time = coming_to_rest(self._held, time - self._held_at, self._rest), time
         return self.state
 
     def _join(self, found: np.ndarray, held: np.ndarray) -> None:
@@ -294,7 +324,7 @@ class InputTrack:
     def memory(self) -> dict[str, Any]:
         """What a later process needs to go on."""
         state = ("state", "time", "missing", "fastest", "_seen", "noise")
-        names = (*state, "_apart", "_from", "_over", "_soon", "shown", "_held", "_held_at", *LEARNED)
+        names = (*state, "_apart", "_from", "_over", "_soon", "shown", "_held", "_held_at", "_rest", *LEARNED)
         return {name: np.asarray(getattr(self, name)).tolist() for name in names} | {"steps": self.steps.memory()}
 
     def recall(self, memory: Mapping[str, Any]) -> None:

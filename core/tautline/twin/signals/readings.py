@@ -19,7 +19,7 @@ from tautline.twin.signals.row import Row
 from tautline.twin.signals.rows import LONGEST_DELAY, Rows
 from tautline.twin.signals.sensors import Health
 from tautline.twin.signals.smoothing import smooth, smooth_widely
-from tautline.twin.signals.spacing import DELAY, MOST_WAITED
+from tautline.twin.signals.spacing import ALIKE, DELAY, MOST_WAITED
 from tautline.twin.signals.waves import Waves
 
 SMOOTHED = 2.0
@@ -56,6 +56,8 @@ class Readings:
         Whether at the last row an input was first seen to be told in steps.
     rare : dict
         Number of an input that rows do not wait for -> how often it comes, in words.
+    rare_told : set of int
+        Numbers of the inputs of which it was said how often they come.
     """
 
     def __init__(self, plan: Plan, start: Mapping[str, float], live: bool) -> None:
@@ -67,7 +69,7 @@ class Readings:
         self.tracks = [InputTrack(one, i) for i, one in enumerate(plan.channels) if one.is_input]
         self.rows.spacing.inputs = [one.number for one in self.tracks]
         self.rare: dict[int, str] = {}
-        self._rare_told: set[int] = set()
+        self.rare_told: set[int] = set()
         self.waves = {one.name: Waves() for one in plan.inputs if one.waves}
         self.zeros: dict[int, float] = {}
         self.far: dict[str, float] = {}
@@ -245,18 +247,24 @@ class Readings:
         rows = self.rows
         self.rare.clear()
         for i in rows.spacing.inputs:
-            every, column = rows.spacing.of(i), self.channels[i].column
+            column, regular = self.channels[i].column, rows.spacing.is_regular(i)
+            every = rows.spacing.of(i) if regular else rows.spacing.longest(i)
             # Each row has a reading where inputs come as often as rows.
             often = every <= OFTEN * rows.interval
             if often or rows.spacing.has_stopped(i) or not (np.isfinite(rows.interval) and np.isfinite(rows.patience)):
                 continue
+            comes = (
+                f"{column} comes every {every:.2g} s"
+                if regular
+                else f"{column} comes with pauses of up to {every:.2g} s"
+            )
             too_soon = rows.patience < every - ONE_STAMP
             if too_soon:
-                self.rare[i] = f"{column} comes every {every:.2g} s, and rows wait {rows.patience:.2g} s only"
-            if i in self._rare_told or not (too_soon or self._waited(i)):
+                self.rare[i] = f"{comes}, and rows wait {rows.patience:.2g} s only"
+            if i in self.rare_told or not rows.spacing.is_told(i) or not (too_soon or self._waited(i)):
                 continue
-            self._rare_told.add(i)
-            longer = np.ceil(10.0 * DELAY * every - ONE_STAMP) / 10.0
+            self.rare_told.add(i)
+            longer = np.ceil(10.0 * (DELAY if regular else ALIKE) * every - ONE_STAMP) / 10.0
             cure = (
                 f"Write `delay: {longer:.1f} s` in the map" if longer <= LONGEST_DELAY else "Let it be sent more often"
             )
@@ -267,7 +275,7 @@ class Readings:
                     f"while it does so, rows are answered after {rows.patience:.2g} s. "
                     "Write `delay` in the map for another time"
                 )
-            self._remarks.append(f"{column} comes every {every:.2g} s: {text}")
+            self._remarks.append(f"{comes}: {text}")
 
     def _look_for_steps(self, track: InputTrack, times: np.ndarray, values: np.ndarray) -> None:
         """See whether a place is told in steps, and say so once."""

@@ -658,8 +658,8 @@ class Rows:
     @property
     def _shows_too_little(self) -> bool:
         """Whether more rows are waited for before the first is handed on, where the map leaves that open."""
-        span = self.newest - self.waiting[0].time
-        return self.delay is None and span < SHOWN_IN and (len(self.waiting) < self.fewest or not self.spacing.known)
+        span, few = self.newest - self.waiting[0].time, len(self.waiting) < self.fewest
+        return self.delay is None and ((few and span < SHOWN_IN) or self.spacing.shows_too_little(span))
 
     def around(self, row: Row) -> list[Row]:
         """Rows on both sides of one that was handed on last, in order, without a gap between them."""

@@ -30,6 +30,11 @@ HIGHEST, RESOLVED = 10, 11
 orders near the number of many samples swing between them, and each costs a decomposition of them all."""
 AT_EDGE = 4
 """Highest order where samples are on one side only."""
+FEWEST_AT_END = 3
+"""Samples that tell with which rate an input leaves its last one, at the least."""
+AGREED, BENDS_APART = 0.1, 0.2
+"""Share of the range of slopes by which a cubic and a quartic may differ in their rates at the end of samples, where a
+change of speed makes more than half of it; and how much less what they differ by in the second rate counts."""
 UNRESOLVED = 0.02
 """Change of the rate with the last two orders, over the range of slopes, from which on no polynomial is the motion."""
 WILD = 1.0
@@ -207,17 +212,61 @@ def third_of(values: np.ndarray) -> float:
     return abs(float(np.diff(values, 3)[-1])) / 20.0**0.5 if values.size >= 6 else 0.0
 
 
-def coming_to_rest(state: np.ndarray, after: float) -> np.ndarray:
+def motion_at_end(times: np.ndarray, values: np.ndarray, reach: float, noise: float) -> np.ndarray:
+    """Rate and second rate (2,) with which an input leaves the last of samples (n,), behind which no more come.
+
+    Where the last five are a smooth motion it goes on. Else nothing tells of a bend: a polynomial through a change of
+    speed, or through noise, has rates at its end that the input never had, and they lead away from all that was
+    measured. There it is the rate of a line through the samples of the last reach, and no faster than lines through
+    fewer and fewer of them allow, down to the last two: what has stopped stays.
+    """
+    smooth_one = _smooth_end(times[-FEWEST:], values[-FEWEST:], noise)
+    if smooth_one is not None:
+        return smooth_one
+    near = times >= times[-1] - reach - ONE_STAMP
+    count = min(times.size, max(int(near.sum()), FEWEST_AT_END))
+    rate = np.nan
+    while count > 1:
+        t, x = times[-count:] - times[-1], values[-count:] - values[-1]
+        t = t - t.mean()
+        square = float(t @ t)
+        slope, off = float(t @ x) / square, ACCEPTED * noise / square**0.5
+        if np.isnan(rate):
+            rate = slope
+        elif rate > 0.0:
+            rate = min(rate, max(slope + off, 0.0))
+        else:
+            rate = max(rate, min(slope - off, 0.0))
+        count -= 1
+    return np.array([0.0 if np.isnan(rate) else rate, 0.0])
+
+
+def _smooth_end(times: np.ndarray, values: np.ndarray, noise: float) -> np.ndarray | None:
+    """Rates (2,) at the last of five samples, where a cubic and a quartic agree on them; None where they do not."""
+    if times.size < FEWEST:
+        return None
+    span = float(times[-1] - times[0])
+    t, x = (times - times[-1]) / span, values - values[-1]
+    range_of_slopes = float(np.ptp(np.diff(x) / np.diff(t)))
+    cubic, quartic = (np.polynomial.polynomial.polyfit(t, x, order)[1:3] for order in (AT_EDGE - 1, AT_EDGE))
+    # Of samples at equal intervals noise enters the rate of the quartic by 22 times itself over the span.
+    apart = abs(quartic - cubic) * [1.0, 2.0 * BENDS_APART] + [22.0 * noise, 0.0]
+    if apart.max() > AGREED * range_of_slopes:
+        return None
+    return np.array([quartic[0] / span, 2.0 * quartic[1] / span**2])
+
+
+def coming_to_rest(state: np.ndarray, after: float, rest: float = REST) -> np.ndarray:
     """Value, rate and second rate of what comes to rest from a state (3,), a time after it.
 
     The rate dies away as a critically damped oscillator: the second rate goes on from where it was too, for what jumps
-    in it sets off a load that bounces on its rope.
+    in it sets off a load that bounces on its rope. A rate alone leads on by twice its product with the time constant.
     """
-    left = np.exp(-after / REST)
-    change = state[2] + state[1] / REST
-    way = REST * state[1] * (1.0 - left) + REST**2 * change * (1.0 - left * (1.0 + after / REST))
+    left = np.exp(-after / rest)
+    change = state[2] + state[1] / rest
+    way = rest * state[1] * (1.0 - left) + rest**2 * change * (1.0 - left * (1.0 + after / rest))
     rate = (state[1] + change * after) * left
-    return np.array([state[0] + way, rate, change * left - rate / REST])
+    return np.array([state[0] + way, rate, change * left - rate / rest])
 
 
 def joined(apart: np.ndarray, share: float, over: float) -> np.ndarray:
