@@ -111,6 +111,19 @@ def test_a_limit_on_what_is_nowhere_more_than_0_names_no_place_and_no_time_and_a
     assert limit_said(slack).endswith("must be at least 1 N (tip, t = 0 s)")
 
 
+def test_a_value_that_fails_its_limit_by_little_is_printed_with_the_digits_that_tell_them_apart():
+    pound, kip = 4.4482216152605, 4448.2216152605
+    record = {"sense": "at most", "unit": "N", "limit": 136.9 * kip, "value": 136.9 * kip + 3.4 * pound}
+    record |= {"passed": False, "time": 2.0, "place": ""}
+    assert limit_said(record, "field") == "136.903 kip: must be at most 136.9 kip (t = 2 s)"
+    assert limit_said(record | {"passed": True, "value": 136.9 * kip - 3.4 * pound}, "field").startswith(
+        "136.9 kip, at"
+    )
+    assert limit_said(record | {"value": 150.0 * kip}, "field").startswith("150 kip: must be at most 136.9 kip")
+    unjudged = record | {"passed": None, "value": None, "note": "no frame"}
+    assert limit_said(unjudged, "field") == "at most 136.9 kip is not judged: no frame"
+
+
 def test_an_angle_of_two_millimetres_in_a_kilometre_is_not_printed_to_four_digits():
     """A landing had an offlead of 4.677e-06 deg: neither Newton's tolerance nor the step changes it, so it is no 0."""
     report = dict.fromkeys(["method", "step", "steps", "newton_iterations", "simulated_time", "wall_time"])

@@ -19,6 +19,7 @@ from drillstring.string.factors import Factors, same
 from tautline.integrators.status import Status, StoppedEarly
 from tautline.scene.errors import Problem, SceneError
 from tautline.scene.reading.columns import Columns, unit_named
+from tautline.scene.reading.nulls import NEAR, written_for_none
 from tautline.threads import one_thread
 
 TOLD = 1.0e-6
@@ -42,13 +43,14 @@ COLUMNS = {
 """Headers that are read as each column."""
 UNITS = {"depth": "m", "pick_up": "N", "slack_off": "N"}
 LOADS = ("pick_up", "slack_off")
+NO_LOAD = "no load in this row (a number such as -999.25 stands for none)"
 
 
 class Measured(NamedTuple):
     """Hook loads of a trip: bit depth (n,) m; pick-up and slack-off (n,) N, NaN where not measured; lines (n,).
 
     ``unit`` is what the file has depths in, and ``size`` that unit, m. ``unused`` are titles of columns
-    that are not read.
+    that are not read. ``nulls`` is how many loads are numbers that rigs write for none, such as -999.25.
     """
 
     depth: np.ndarray
@@ -58,6 +60,7 @@ class Measured(NamedTuple):
     unit: str = "m"
     size: float = 1.0
     unused: tuple[str, ...] = ()
+    nulls: int = 0
 
     def told(self, depth: float) -> str:
         """A depth, m, as the file has it."""
@@ -127,7 +130,8 @@ class Fit(NamedTuple):
 def read_measured(path: Path, block: float = 0.0) -> Measured:
     """Read a CSV file with the columns depth, pick_up and slack_off; units stand in the header.
 
-    An empty cell, or a column that is missing, is a load that was not measured. The weight of the ``block``, N, which
+    An empty cell, a number that rigs write for none, such as -999.25, or a column that is missing, is a load that was
+    not measured. The weight of the ``block``, N, which
     the rig's gauge shows with the string's, is taken off.
 
     Raises
@@ -142,18 +146,23 @@ def read_measured(path: Path, block: float = 0.0) -> Measured:
         columns.refuse_title_lines()
         cause = "there is neither a column 'pick_up' nor 'slack_off'"
         columns.stop(columns.header_line, "pick_up, slack_off", None, cause, "name them in the header")
-    values = {name: _column(columns, name) for name in wanted}
+    written = {name: _column(columns, name) for name in wanted}
     columns.raise_if_any()
+    none = {name: _nulls(written[name][0]) for name in wanted if name != "depth"}
+    for name, where in none.items():
+        written[name][0][where] = np.nan
+    values = {name: found * factor for name, (found, factor) in written.items()}
     lines = np.array(columns.lines)
-    none = np.full(lines.size, np.nan)
-    up, down = (values.get(name, none) for name in LOADS)
+    missing = np.full(lines.size, np.nan)
+    up, down = (values.get(name, missing) for name in LOADS)
     place = columns.index(COLUMNS["depth"])
     size = columns.factor((place, columns.units[place]), "depth", "m")
     unit = unit_named(columns.units[place])
     known = {head for heads in COLUMNS.values() for head in heads}
     heads = zip(columns.names, columns.titles, strict=True)
     unused = tuple(title for name, title in heads if name not in known and title.strip())
-    measured = Measured(values["depth"], up - block, down - block, lines, unit, size, unused)
+    nulls = sum(int(where.sum()) for where in none.values())
+    measured = Measured(values["depth"], up - block, down - block, lines, unit, size, unused, nulls)
     _check(path, measured, block, columns)
     return measured
 
@@ -171,8 +180,15 @@ def _has(columns: Columns, name: str) -> bool:
     return any(head in COLUMNS[name] for head in columns.names)
 
 
-def _column(columns: Columns, name: str) -> np.ndarray:
-    """A column in SI, with NaN for empty cells of loads."""
+def _nulls(written: np.ndarray) -> np.ndarray:
+    """Which loads (n,), as the file has them, stand for none: where others come near, they are loads that push."""
+    null = written_for_none(written)
+    lowest = np.fmin.reduce(written[~null], initial=np.inf)
+    return null & ~(lowest < NEAR * written)
+
+
+def _column(columns: Columns, name: str) -> tuple[np.ndarray, float]:
+    """A column as it is written, with NaN for empty cells of loads, and the size of its unit in SI."""
     at = columns.index(COLUMNS[name])
     # Hook loads come in kN, t, kip and klbf, depths in m and ft, and a guess would fit a factor all the same.
     factor = columns.factor((at, columns.units[at]), name, UNITS[name])
@@ -180,7 +196,7 @@ def _column(columns: Columns, name: str) -> np.ndarray:
     for line, row in columns.rows:
         cell = row[at] if at < len(row) else ""
         found.append(columns.number(line, name, cell) if cell or name == "depth" else np.nan)
-    return factor * np.array(found)
+    return np.array(found, float), factor
 
 
 def _as_written(columns: Columns, name: str, line: int) -> str:
@@ -196,7 +212,7 @@ def _check(path: Path, measured: Measured, block: float, columns: Columns) -> No
         if depth <= 0.0:
             problems.append((line, "depth", measured.told(depth), "not below the rotary table", "give the bit's depth"))
         if np.isnan(up) and np.isnan(down):
-            problems.append((line, "pick_up, slack_off", None, "no load in this row", "fill one in, or delete the row"))
+            problems.append((line, "pick_up, slack_off", None, NO_LOAD, "fill one in, or delete the row"))
         if up < down:
             cause = f"smaller than slack_off = {_as_written(columns, 'slack_off', line)}: friction makes it larger"
             cure = "swap the two, or check the columns' units"

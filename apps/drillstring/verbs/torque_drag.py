@@ -289,13 +289,18 @@ def _fitted(scene: DrillstringScene, path: Path | None, elements: int | None, as
 
 
 def _unread(path: Path | None, loads: Any) -> list[SceneWarning]:
-    """Warn of columns of measured loads that are not read, and say of which loads the fit is."""
-    if path is None or not loads.unused:
+    """Warn of measured loads that stand for none, and of columns that are not read, with what the fit is of."""
+    if path is None:
         return []
-    measured = {"pick_up": loads.pick_up, "slack_off": loads.slack_off}
-    read = " and ".join(name for name, found in measured.items() if any(found == found))  # NaN where not measured
-    text = f"{path.name}: not read: {', '.join(loads.unused)}; the fit is of {read} alone"
-    return [SceneWarning("--measured", text)]
+    told = []
+    if loads.nulls:
+        count = "1 load is a number" if loads.nulls == 1 else f"{loads.nulls} loads are numbers"
+        told.append(f"{path.name}: {count} such as -999.25, which rigs write for none. The fit leaves out what is none")
+    if loads.unused:
+        measured = {"pick_up": loads.pick_up, "slack_off": loads.slack_off}
+        read = " and ".join(name for name, found in measured.items() if any(found == found))  # NaN where not measured
+        told.append(f"{path.name}: not read: {', '.join(loads.unused)}; the fit is of {read} alone")
+    return [SceneWarning("--measured", text) for text in told]
 
 
 def report(cases: list[Case], fitted: Fit | None, failures: list[str], block: float) -> dict[str, Any]:

@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any, Protocol
+from typing import Any
 
-from tautline.scene.values.printed import digits_apart
+from tautline.scene.values.printed import Teller, told_apart
 from tautline.twin.pace import ONE_STAMP
 
 CLEAR = 1.0
@@ -117,16 +117,9 @@ def beyond(value: float, above: float, below: float) -> bool:
     return bool(value > above or value < below)
 
 
-class Teller(Protocol):
-    """How a value is said, with so many significant digits."""
-
-    def __call__(self, value: float, digits: int = 4, /) -> str:
-        """The value in words."""
-
-
 def bound_said(value: float, above: float, below: float, tell: Teller) -> str:
     """``61.2 kN, above 60 kN``, where `tell` says a value of it: with more digits where they would look the same."""
     high = value > above or not math.isfinite(below)
     word, bound = ("above", above) if high else ("below", below)
-    digits = digits_apart(value, bound) if tell(value) == tell(bound) else 4
-    return f"{tell(value, digits)}, {word} {tell(bound, digits)}"
+    said, limit = told_apart(value, bound, tell)
+    return f"{said}, {word} {limit}"

@@ -46,11 +46,12 @@ COARSE = ("--elements", "10")
 """Enough for what is compared with nothing but other results of the same mesh."""
 
 
-def test_so_few_links_that_the_hook_load_is_off_are_told(folder, capsys):
+def test_two_links_are_enough_for_a_straight_hole_and_too_few_for_a_bend(folder, capsys):
     (folder / "slant.yaml").write_text(SLANT)
+    (folder / "build.yaml").write_text(BUILD)
     here = commands_of(Drillstring(), capsys)
-    for elements, told in (("2", True), ("40", False)):
-        code, _, err = here("torque-drag", "slant.yaml", "--elements", elements)
+    for scene, told in (("slant.yaml", False), ("build.yaml", True)):
+        code, _, err = here("torque-drag", scene, "--friction", "0.3", "--elements", "2")
         assert code == 0
         assert ("2 links are few" in " ".join(err.split())) == told
 
@@ -426,6 +427,35 @@ def test_measured_loads_are_told_as_written_where_the_block_has_a_weight_and_oth
     Path("gauge.csv").write_text("md [m],pick_up [kN],slack_off [kN],rotating [kN]\n2000,800,600,700\n", "utf8")
     measured = read_measured(Path("gauge.csv"), 350e3)
     assert measured.unused == ("rotating [kN]",) and measured.pick_up.tolist() == [450e3]
+
+
+NONE_SAID = "such as -999.25, which rigs write for none"
+
+
+def test_a_measured_load_that_stands_for_none_is_left_out_and_counted(loads, drillstring_):
+    head, *rows = loads.splitlines()
+    cells = [row.split(",") for row in rows]
+    cells[0][1], cells[2][2] = "-999.25", "-9999"
+    Path("loads.csv").write_text("\n".join([head, *map(",".join, cells)]), "utf8")
+    code, out, err = drillstring_("torque-drag", "jwell.yaml", "--measured", "loads.csv", "--json", *COARSE)
+    report = only_object(out)
+    assert code == 0 and f"loads.csv: 2 loads are numbers {NONE_SAID}" in " ".join(err.split())
+    assert any(NONE_SAID in one["text"] for one in report["warnings"])
+    assert report["fit"]["loads"] == 6 and report["fit"]["friction"] == pytest.approx(0.24, abs=1e-3)
+
+
+def test_a_row_of_loads_that_all_stand_for_none_is_refused_as_an_empty_one(folder):
+    Path("none.csv").write_text("depth [m],pick_up [kN],slack_off [kN]\n2000,-999.25,-999\n1500,330,160\n", "utf8")
+    with pytest.raises(
+        SceneError, match=r"none\.csv:2: .*no load in this row \(a number such as -999.25 stands for none"
+    ):
+        read_measured(Path("none.csv"))
+
+
+def test_a_load_of_minus_999_is_one_where_others_of_its_column_push_nearly_as_hard(folder):
+    Path("pushed.csv").write_text("depth [m],slack_off [kN]\n2000,-999\n1500,-600\n1000,-200\n", "utf8")
+    measured = read_measured(Path("pushed.csv"))
+    assert measured.slack_off.tolist() == [-999e3, -600e3, -200e3] and measured.nulls == 0
 
 
 def test_a_comma_at_the_end_of_the_header_of_measured_loads_is_no_column(folder):

@@ -8,7 +8,7 @@ from collections.abc import Collection, Iterable
 from typing import TYPE_CHECKING, Any
 
 from tautline.cli.output.console import console
-from tautline.scene.values.printed import in_percent, in_words, printed_in, quantity, shown, significant
+from tautline.scene.values.printed import in_percent, in_words, printed_in, quantity, shown, significant, told_apart
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -91,11 +91,11 @@ def _of_limits(limits: list[dict[str, Any]], aside: Collection[str], system: str
     ]
 
 
-def _said(value: Any, unit: str, system: str) -> str:
+def _said(value: Any, unit: str, system: str, digits: int = 4) -> str:
     """Write a figure; of an angle that nobody could measure that it is one."""
     if unit == "rad" and isinstance(value, float) and 0.0 < abs(math.degrees(value)) < LEAST_ANGLE:
         return f"less than {LEAST_ANGLE:g} deg"
-    return shown(value, unit, system)
+    return shown(value, unit, system, digits)
 
 
 def _along(label: str, value: Any) -> Any:
@@ -160,6 +160,11 @@ def limit_said(record: dict[str, Any], system: str = "si") -> str:
     if record["passed"] is None:
         return f"{record['sense']} {limit} is not judged: {record['note']}"
     value, lasting = _said(record["value"], unit, system_of_value), record.get("for")
+    if not record["passed"]:
+        # A value that looks like its limit does not look failed.
+        value, limit = told_apart(
+            record["value"], record["limit"], lambda x, digits=4: _said(x, unit, system_of_value, digits)
+        )
     held = f" for {quantity(lasting, 's')}" if lasting else ""
     verdict = ", " if record["passed"] else ": must be "
     # What is nowhere more than 0 has no place and no time.

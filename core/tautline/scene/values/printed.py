@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, Protocol
 
 from tautline.scene.values.systems import SYSTEMS, choices_of, in_system
 
@@ -77,6 +77,19 @@ def digits_apart(one: float, other: float, least: int = 4) -> int:
     if not (0.0 < difference < math.inf):
         return least
     return max(least, min(MOST_DIGITS, math.floor(math.log10(size)) - math.floor(math.log10(difference)) + 2))
+
+
+class Teller(Protocol):
+    """How a value is said, with so many significant digits."""
+
+    def __call__(self, value: float, digits: int = 4, /) -> str:
+        """The value in words."""
+
+
+def told_apart(one: float, other: float, tell: Teller) -> tuple[str, str]:
+    """Two values as `tell` says them: with more digits where they differ and would look the same."""
+    digits = digits_apart(one, other) if tell(one) == tell(other) else 4
+    return tell(one, digits), tell(other, digits)
 
 
 def quantity(value: Any, unit: str, digits: int = 4) -> str:

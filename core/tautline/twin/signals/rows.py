@@ -30,6 +30,7 @@ from typing import Any
 
 import numpy as np
 
+from tautline.scene.reading.nulls import NEAR, written_for_none
 from tautline.scene.values.moments import duration_said
 from tautline.twin.pace import AT_ONCE, LONG_GAP, ONE_STAMP, TOLD_BY
 from tautline.twin.signals.arrivals import TYPICAL, Arrivals
@@ -66,10 +67,6 @@ KEPT, MOST_KEPT = 60.0, 3000
 MOST_ASIDE = 100_000
 """Rows from before those that are known again that wait until it is known what they are."""
 
-NULLS = (-999.0, -999.25, -9999.0, -9999.25)
-"""What the formats of rigs (WITS, LAS) write for a value that is missing."""
-ROUNDING = 1e-12
-"""Relative rounding of a reading that was converted."""
 ABSURD = 1.0e30
 """Reading from which one is none: what other programs write for a missing value is one (9.97e36, 3.4e38)."""
 
@@ -330,11 +327,11 @@ class Rows:
     def _nulls(self, read: np.ndarray) -> np.ndarray:
         """Which readings (c,) stand for none: what the sensor can show by its range, or has come near to, does not."""
         factors = np.array([self.factors.get(one, 1.0) for one in self.columns])
-        null = np.isclose(read[:, None], np.outer(factors, NULLS), rtol=ROUNDING, atol=0.0).any(axis=1)
+        null = written_for_none(read, factors)
         for i in np.flatnonzero(null).tolist():
             low, high = self.bounds[i]
             known = np.isfinite(low) or np.isfinite(high)
-            null[i] = not (low <= read[i] <= high if known else self._lowest[i] < 0.5 * read[i])
+            null[i] = not (low <= read[i] <= high if known else self._lowest[i] < NEAR * read[i])
         self._lowest = np.fmin(self._lowest, np.where(null, np.inf, read))
         return null
 
