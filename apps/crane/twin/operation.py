@@ -17,8 +17,9 @@ from crane.assembly.layout import Layout
 from crane.results.course import contacts_of, course_of, laid_out
 from crane.rope_life.account import CountedFrom, RopeAccount, RopeOf
 from crane.scene.scene import CraneScene, Drum, End, PathItem
+from crane.twin.loads_in_waves import LoadsInWaves, doubts_of_waves
 from tautline.scene.errors import SceneError
-from tautline.twin.operation import Operation
+from tautline.twin.operation import Blur, Operation
 
 FOUND = {"rope.damage": "", "rope.damage_place": "m"}
 """What it finds, and the units."""
@@ -40,10 +41,24 @@ class Lifting(Operation):
 
     def __init__(self, scene: CraneScene) -> None:
         self._heights = _heights_on_ground(scene)
-        self.reads: Sequence[str] = ("min_tension", *self._heights)
+        self._waters, self._doubts = LoadsInWaves(scene), doubts_of_waves(scene)
+        self.reads: Sequence[str] = tuple(dict.fromkeys(("min_tension", *self._heights, *self._waters.reads)))
         if scene.rope.compression == "none":
             drums = [f"{one.name}.tension" for one in scene.path if isinstance(one, Drum)]
             self.pulled = frozenset((*TENSIONS, *drums))
+
+    def built(self, sim: Any) -> None:
+        """Take notice of the scene that the simulation runs."""
+        if self._waters.reads:
+            self._waters.built(laid_out(sim.driven_scene))
+
+    def doubts(self, plan: Any) -> list[str]:
+        """What of the sea nobody knows, where the map estimates something."""
+        return self._doubts if plan.unknowns else []
+
+    def blurred(self, read: Mapping[str, np.ndarray], sensors: Mapping[str, str]) -> Blur:
+        """What waves on loads make of the sensors."""
+        return self._waters.blurred(read, sensors)
 
     def counts(self, read: Mapping[str, np.ndarray], sensors: Sequence[str]) -> np.ndarray:
         """All sensors, while in every simulation the rope is taut and no load touches the ground."""
@@ -95,6 +110,7 @@ class CraneOperation(Lifting):
 
     def built(self, sim: Any) -> None:
         """Lay out the scene that the simulation runs."""
+        super().built(sim)
         self._layout = laid_out(sim.driven_scene)
 
     def found(

@@ -36,6 +36,28 @@ class Guidance:
     rests: bool = False
 
 
+@dataclass(frozen=True)
+class Blur:
+    """What moves the machine that no sensor shows and no estimate finds, such as waves of phases that nobody measures.
+
+    Attributes
+    ----------
+    sds : (m,)
+        Standard deviations of what is computed of the sensors by it, SI.
+    lasts : float
+        How long it stays alike, s: rows within that time tell no more than one.
+    why : str
+        Why what is computed is in doubt by it; a sentence without a full stop.
+    suspect : str
+        What in the scene may be otherwise there, one word or two; empty where nothing further is suspected.
+    """
+
+    sds: np.ndarray
+    lasts: float = 0.0
+    why: str = ""
+    suspect: str = ""
+
+
 def findings(operation: Operation | None) -> dict[str, str]:
     """Outputs that an operation finds: name -> what to give so that it does, empty where nothing is lacking."""
     return {} if operation is None else {**operation.elsewhere, **dict.fromkeys(operation.outputs, "")}
@@ -54,7 +76,7 @@ class Operation(Protocol):
     elsewhere : mapping
         Outputs that it would find if more were given: name -> what to give. A map that keeps them is refused with that.
     reads : sequence of str
-        Outputs of the simulations that `counts`, `put_down` and `found` want.
+        Outputs of the simulations that `counts`, `blurred`, `put_down` and `found` want.
     window : float or None
         Of the estimate where the map gives none, s: the longest time from one rest to the next. None for the usual one.
     mean : float
@@ -100,6 +122,10 @@ class Operation(Protocol):
     def counts(self, read: Mapping[str, np.ndarray], sensors: Sequence[str]) -> np.ndarray:
         """Which sensors (m,) tell something: all simulations (n, ...) do then what the machine does."""
         return np.ones(len(sensors), bool)
+
+    def blurred(self, read: Mapping[str, np.ndarray], sensors: Mapping[str, str]) -> Blur:
+        """What nobody measures makes of sensors, output -> SI unit, where the simulations (n, ...) are."""
+        return Blur(np.zeros(len(sensors)))
 
     def put_down(self, read: Mapping[str, np.ndarray]) -> bool:
         """Whether in all simulations (n, ...) every load stands on the ground: nothing is left of how it bounced."""

@@ -28,7 +28,7 @@ from tautline.twin.loss import Loss, SceneEnded, why
 from tautline.twin.map.check import bare_bounds, checked
 from tautline.twin.map.file import TwinMap, driven_by, read_map
 from tautline.twin.map.plan import Plan
-from tautline.twin.operation import Operation, findings
+from tautline.twin.operation import Blur, Operation, findings
 from tautline.twin.pace import LONG_GAP
 from tautline.twin.restrictions import Outlook
 from tautline.twin.settling import Settling
@@ -105,6 +105,7 @@ class Twin:
         self.now, self.unsettled = np.nan, -np.inf
         self.settling, self.unsure, self.rests, self.starved = Settling(), False, False, False
         self.doubts: list[str] = []  # why what is computed is in doubt
+        self.blur = Blur(np.zeros(len(self.plan.measured)))
         self._ends, self._ends_told = dict[str, float](), set[str]()
         self.restarts = 0
         # No other operation has it: what it keeps in files is known by it.
@@ -426,8 +427,9 @@ class Twin:
         """Begin again from rest, and know nothing for certain until the window is full anew."""
         self.restarts += 1
         self.notes.append(
-            f"At {stamp_said(time)} the simulated load bounced and the real one did not. "
-            "The simulation started again from rest."
+            f"At {stamp_said(time)} the simulated load bounced otherwise than the real one. "
+            + f"That may be by {self.blur.suspect}. " * bool(self.blur.suspect)
+            + "The simulation started again from rest."
         )
         self.estimate.from_rest = True
 
@@ -482,7 +484,7 @@ class Twin:
         """
         estimate, horizon = self.estimate, self.estimate.horizon
         y = self.readings.measured(values)
-        horizon.shaken = self.readings.shaken
+        horizon.shaken, self.blur = self.readings.shaken, estimate.blurred(read)
         y0, J = estimate.compared(read)
         tells = estimate.alike(read)
         told = self._compare_units(row.time, y, y0, J, use, tells)
@@ -526,6 +528,7 @@ class Twin:
             ahead, row.time - horizon.changed, self.settling.since, self.settling.moved_at,
             self.readings.blind, self.outlook.is_overdue(row.time), moved, self.unsure,
             self.operation is not None and self.operation.put_down(read), far=horizon.is_far,
+            suspect=self.blur.suspect,
         ))  # fmt: skip
         self._further = self._found_by_operation(row.time, y, outputs)
         return self._line(row, inputs, y, outputs, residual)
@@ -540,10 +543,11 @@ class Twin:
         alone = self.operation is None or self.operation.mean == 0.0
         both = zip(horizon.of_inputs(y0), horizon.of_rows(y0) * (alone or self.rests), horizon.left, strict=True)
         beyond = {}
-        for one, sd, (shaken, missed, left) in zip(self.plan.measured, sds, both, strict=True):
+        for one, sd, blur, (shaken, missed, left) in zip(self.plan.measured, sds, horizon.blur, both, strict=True):
             value, own = outputs[one.name]
-            beyond[one.name] = max(shaken, missed)
+            beyond[one.name] = max(shaken, missed, blur)
             more[one.name] = value, np.hypot(own, beyond[one.name])
+            self._doubt(blur**2 > 0.5 * sd**2, self.blur.why)
             # A parameter that is not known and makes nothing of the sensors uncertain does not matter.
             self._doubt(not self.estimate.known and own > MANY * sd, f"{one.name}: {NOT_KNOWN_YET}")
             # What rows have missed is remembered for seconds, also of a first guess that shook the load by little.

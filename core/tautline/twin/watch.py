@@ -112,6 +112,8 @@ class Compared:
         Why no simulation goes on, in words; empty where one does.
     far : bool
         Whether the estimate has left what was simulated: nothing that is computed is judged until that has followed.
+    suspect : str
+        What else may not be as in the scene, beside friction, contact and rope path; empty for nothing.
     """
 
     time: float
@@ -133,6 +135,7 @@ class Compared:
     put_down: bool = False
     lost: str = ""
     far: bool = False
+    suspect: str = ""
 
     @property
     def foreseen(self) -> Found | None:
@@ -329,7 +332,8 @@ class Watch:
         holds = known and beyond(size, one.above, one.below)
         tell = self._teller(one)
         text = f"{one.asked} is measured {tell(measured)}, expected {tell(measured - r)}" if known else ""
-        text += f" (standard deviation {tell(sd)}): friction, contact or rope path are not as in the scene"
+        others = f"{row.suspect}, " * bool(row.suspect) + "friction, contact or rope path"
+        text += f" (standard deviation {tell(sd)}): {others} are not as in the scene"
         self._irregular.pop(one.name, None)
         if holds:
             self._irregular[one.name] = text

@@ -23,7 +23,7 @@ from tautline.twin.estimation.horizon import BENT, Horizon, Sample, mean_of
 from tautline.twin.estimation.log import Checkpoint, Log, Logged
 from tautline.twin.estimation.passage import Passage
 from tautline.twin.map.plan import Plan, Unknown
-from tautline.twin.operation import Operation
+from tautline.twin.operation import Blur, Operation
 from tautline.twin.pace import ONE_STAMP
 from tautline.twin.signals.rows import Rows
 
@@ -317,6 +317,15 @@ class Estimate:
         """Of which sensors (m,) the differences of simulations are derivatives: all do what the machine does."""
         names = [one.name for one in self.plan.measured]
         return np.ones(len(names), bool) if self.operation is None else self.operation.counts(read, names)
+
+    def blurred(self, read: Mapping[str, np.ndarray]) -> Blur:
+        """What nobody measures makes of the sensors now; rows weigh by that from here on."""
+        measured, h = self.plan.measured, self.horizon
+        sensors = {one.name: one.unit for one in measured}
+        found = Blur(np.zeros(len(measured))) if self.operation is None else self.operation.blurred(read, sensors)
+        h.blur = found.sds
+        h.blurs = max(1.0, found.lasts / self.rows.interval) if np.isfinite(self.rows.interval) else 1.0
+        return found
 
     def tame(self, J: np.ndarray) -> np.ndarray:
         """Which sensors (m,) have derivatives that can be believed; near a slip they tell of a small range only."""

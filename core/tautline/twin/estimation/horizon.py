@@ -157,13 +157,15 @@ class Horizon:
     found : bool
         Whether the estimate is a guess no more. That stays, however little the sensors show of it later on, until the
         estimate starts anew.
+    blur, blurs : (m,), float
+        Standard deviations of what the sensors show of what nobody measures, and over how many rows that is alike.
     begun : float
         Time of the first sample since the estimate has started anew; NaN before it.
     """
 
     MADE_ANEW = (
         "late", "unknowns", "channels", "window", "free", "start", "first_sd", "low", "high", "walk", "sd", "relative",
-        "bent",
+        "bent", "blur", "blurs",
     )  # fmt: skip
     """What another process has of the map, and need not keep."""
 
@@ -204,6 +206,7 @@ class Horizon:
         self._anew, self._carried, self._carried_at = False, 0.0, -np.inf
         self._told = 0  # readings since `lasting` was found
         self.found, self.begun = False, np.nan
+        self.blur, self.blurs = np.zeros(m), 1.0
 
     # -- samples -------------------------------------------------------------------------------------------------------
 
@@ -327,15 +330,16 @@ class Horizon:
     # -- the estimate --------------------------------------------------------------------------------------------------
 
     def deviations(self, y0: np.ndarray) -> np.ndarray:
-        """Standard deviations of the sensors (..., m)."""
+        """Standard deviations of the sensors (..., m), with what nobody measures."""
         given = np.where(self.relative, self.sd * np.maximum(np.abs(y0), FLOOR * self.largest), self.sd)
         found = np.maximum(np.sqrt(self.variance), 1e-12)
         guess = np.where(self.variance > 0.0, found, ROUGH * np.abs(y0) + 1e-12)
-        return np.where(np.isfinite(given), np.maximum(given, 1e-12), guess)
+        return np.hypot(np.where(np.isfinite(given), np.maximum(given, 1e-12), guess), self.blur)
 
     def _noise(self, samples: Sequence[Sample], y0: np.ndarray) -> np.ndarray:
-        """Standard deviations of samples (n, m): that of a mean is smaller."""
-        return self.deviations(y0) / np.sqrt(np.array([s.rows for s in samples]))
+        """Standard deviations of samples (n, m): that of a mean is smaller. Of rows that are alike each tells less."""
+        alike = np.sqrt(max(self.blurs - 1.0, 0.0)) * self.blur
+        return np.hypot(self.deviations(y0), alike) / np.sqrt(np.array([s.rows for s in samples]))
 
     def _stacked(self, samples: Sequence[Sample]) -> Stacked:
         """Samples as arrays: y, y0 (n, m), J (n, m, k), which count, and standard deviations (n, m)."""
@@ -569,7 +573,9 @@ class Horizon:
                 self.variance[i] = (
                     middle if self.variance[i] == 0.0 else (1 - share) * self.variance[i] + share * middle
                 )
-            self.alike[i] += keep * (_alike(part) - self.alike[i])
+            # What nobody measures is counted with the time that it lasts already.
+            known = 2.0 * self.blur[i] ** 2 > np.mean(sd[use[:, i], i] ** 2) / self.blurs
+            self.alike[i] += keep * ((1.0 if known else _alike(part)) - self.alike[i])
             self.correlation[i] = UNSURE * max(1.0, self.spread[i]) * max(1.0, self.alike[i])
 
     # -- what it tells -------------------------------------------------------------------------------------------------
