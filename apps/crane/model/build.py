@@ -75,7 +75,7 @@ def build(scene: CraneScene, functions: TimeFunctions | None = None) -> Model:
     def told(result: Any, names: Collection[str] = ()) -> dict[str, dict[str, Any]]:
         return headline(result, scene, layout, names)
 
-    solver = scene.solver
+    solver, water = scene.solver, scene.water
     has = made.compensation is not None, observer.waves is not None
     stored = layout.once(f"variables, {has}", lambda: variables(observer))
     places = layout.once("coordinates", observer.coordinates)
@@ -107,7 +107,7 @@ def build(scene: CraneScene, functions: TimeFunctions | None = None) -> Model:
         at_rest=observer.at_rest,
         memory={"hangs": observer.hangs},
         other_start="as drawn",
-        carried="the current" if scene.water is not None and scene.water.current is not None else "",
+        carried="the current" if water is not None and water.current is not None and water.current.flows else "",
         handles=lambda: handles(made, stored, places),
         cause=lambda state, status: (
             two_blocking(layout, system, state, status) or wound_up(layout, system, state, status)

@@ -293,6 +293,11 @@ class Current(Model):
             ways = np.full(depth.size, self.direction) if given is None else np.array(given)
         return depth, np.stack([speed * np.cos(ways), speed * np.sin(ways)], axis=1)
 
+    @property
+    def flows(self) -> bool:
+        """Whether water moves at any depth."""
+        return any(self.profile.speed) if self.profile is not None else bool(self.speed)
+
 
 class Water(Model):
     """Water below `surface`, m, with `waves` and a `current` or still; `rope_drag` and `added_mass` are coefficients of

@@ -104,14 +104,10 @@ class Start:
                 "perturbed there, and came to rest from there. Look at the first frame"
             )
         if self.far:
-            closer = (
-                f": it is where {self.carried} holds it"
-                if self.carried
-                else ", and give positions closer to those at rest"
-            )
+            held = f": {self.carried} may hold it there. If not," if self.carried else ", and"
             told.append(
                 f"the static start lies far from the initial geometry: {self.moved_most} has moved by "
-                f"{self.moved:.3g} m. Look at the first frame{closer}"
+                f"{self.moved:.3g} m. Look at the first frame{held} give positions closer to those at rest"
             )
         return told
 
