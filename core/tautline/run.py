@@ -490,6 +490,7 @@ class Run:
             "method": self.model.solver.method, "restart_time": self.remembered, "wall_time": self.wall,
             "cpu_time": self.cpu, "start": self.began.attribute,
             "step": self.reached / max(1, self.state.counters[STEPS]) if self.model.solver.automatic else self.step,
+            "steps_alike": not self.model.solver.automatic,
         }  # fmt: skip
 
     def finish(

@@ -289,11 +289,10 @@ def _accuracy(
 
 
 def _taken_by(earlier: Result) -> dict[str, Any]:
-    """Method and step of a run that did not come to its end, and so does not say what was chosen; empty where its steps
-    were not all as long."""
-    taken = {key: earlier.attributes.get(key) for key in ("method", "step")}
-    fixed = "longest_step" not in earlier.attributes and None not in taken.values()
-    return taken if fixed else {}
+    """Method and step of a run that does not say what was chosen, as one that was left; empty where its steps were not
+    all as long."""
+    alike = bool(earlier.attributes.get("steps_alike", False))
+    return {key: earlier.attributes[key] for key in ("method", "step")} if alike else {}
 
 
 def _to_accuracy(application: Application, scene: Any, asked: float, target: Path, bar: Bar, quiet: bool) -> Result:
