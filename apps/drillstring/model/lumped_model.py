@@ -15,7 +15,6 @@ from drillstring.model.lumped_string import (
     drag_of,
     lateral_mass,
     links_of,
-    rests_at_the_table,
 )
 from drillstring.results.observe import Observer
 from drillstring.scene.scene import DrillstringScene
@@ -48,9 +47,7 @@ def assemble_lumps(
     moving = any(rate != 0.0 for _, rate, _ in start)
     driven = is_driven(scene)
     groups, weight = _groups(scene, well, lumps, functions, law, moving)
-    # Without a wall nothing else would hold it across the hole.
-    rests = scene.well.wall is not None and rests_at_the_table(groups[0].curve)
-    degrees = _degrees(scene, lumps, weight, driven, rests)
+    degrees = _degrees(scene, lumps, weight, driven)
     degrees.value[PER_BODY::PER_BODY] = start[BLOCK][0]
     velocity = np.zeros(degrees.value.size)
     velocity[0::PER_BODY] = start[BLOCK][1]
@@ -114,8 +111,8 @@ def _groups(scene, well, lumps: Lumps, functions, law: str, moving: bool):
     return tuple(groups), weight
 
 
-def _degrees(scene: DrillstringScene, lumps: Lumps, weight: np.ndarray, driven: bool, rests: bool) -> Degrees:
-    """Four degrees of freedom a lump; the top one follows block and rotary, on the axis unless it ``rests``."""
+def _degrees(scene: DrillstringScene, lumps: Lumps, weight: np.ndarray, driven: bool) -> Degrees:
+    """Four degrees of freedom a lump; the top one follows block and rotary and does not leave the axis."""
     count = lumps.length.size + 1
     stiffness = lumps.of_links(lambda tube: tube.youngs_modulus * tube.area)
     force = float(np.abs(weight).sum()) + abs(scene.bit.load) + ROUNDING * float(stiffness.max())
@@ -127,9 +124,8 @@ def _degrees(scene: DrillstringScene, lumps: Lumps, weight: np.ndarray, driven: 
     names = [place + direction for place in places for direction in DIRECTIONS]
     degrees = Degrees(names, np.zeros(PER_BODY * count), np.tile([force, force, force, force * radius], count))
     degrees.prescribe(0, BLOCK)
-    if not rests:
-        degrees.fix(1)
-        degrees.fix(2)
+    degrees.fix(1)
+    degrees.fix(2)
     if not driven:
         degrees.prescribe(3, ROTATION)
     if scene.bit.lateral == "pinned":

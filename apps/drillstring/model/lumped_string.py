@@ -10,7 +10,6 @@ import tautline.lumped.string  # noqa: F401 - bodies, links and bends run togeth
 from drillstring.groups.contact import SPRING, WallContact, nothing_kept
 from drillstring.groups.drag import Drag
 from drillstring.groups.friction import BANDED, PROJECTED, SLIP, STICK, Karnopp, Projection, Regularised
-from drillstring.groups.sticking import UPRIGHT
 from drillstring.string.factors import factors_of
 from drillstring.string.fluid import Fluid, mass_beside, weight_in
 from drillstring.string.lumps import Lumps
@@ -34,14 +33,6 @@ def curve_of(well: Wellbore, measured_depth: np.ndarray) -> Curve:
         arcs[name][0] = arcs[name][1]
     seats = records(measured_depth.size, SEAT, place=measured_depth)
     return Curve(arcs, seats, np.array([0, PER_BODY * seats.size]))
-
-
-def rests_at_the_table(curve: Curve) -> bool:
-    """Whether the lump in the drive lies on the wall as all others do: where the hole is inclined at the table.
-
-    It is half a link, with the side force of half a link. On the axis of a vertical hole it presses to no side.
-    """
-    return bool(np.hypot(curve.arcs.g1[0], curve.arcs.g2[0]) > UPRIGHT)
 
 
 def buoyed_weight(lumps: Lumps, fluid: Fluid, gravity: float) -> np.ndarray:
@@ -119,13 +110,12 @@ def contact_of(
     law: str,
     moving: bool,
 ) -> WallContact:
-    """Group of wall contacts of every lump that can lie on the wall: see :func:`rests_at_the_table`.
+    """Group of wall contacts of every lump below the top drive.
 
     The wall's stiffness and damping are given for the largest tube in ``wall.lumps`` lumps; they scale with a lump's
     diameter and tributary length, so that results do not depend on the number of lumps.
     """
-    first = 0 if rests_at_the_table(curve) else 1
-    below = slice(first, None)
+    below = slice(1, None)
     od = lumps.largest(lambda tube: tube.od)
     contact_od = lumps.largest(lambda tube: tube.contact_od)
     share = lumps.tributary / (lumps.total / wall.lumps)
@@ -142,7 +132,7 @@ def contact_of(
             1.0 / (1.0 / (mass + lateral)[below] + radius**2 / polar[below]), moving,
         ),
         springs=records(
-            n, SPRING, body=np.arange(first, first + n), stiffness=wall.stiffness * scale, damping=wall.damping * scale,
+            n, SPRING, body=np.arange(1, n + 1), stiffness=wall.stiffness * scale, damping=wall.damping * scale,
             clearance=0.5 * (hole_diameter - contact_od[below]), radius=radius, viscous=contact_rotation * share[below],
         ),
         scratch=np.zeros((2, 4, 4)),

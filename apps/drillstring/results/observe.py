@@ -110,7 +110,7 @@ class Observer:
         weight, clearance = np.array(self.bodies.lumps.weight), None
         if self.contact is not None:
             springs = self.contact.springs
-            # In a vertical hole the lump in the drive has no spring: it has the clearance of the one below.
+            # The lump that hangs in the drive has no spring: it has the clearance of the one below.
             clearance = np.full(weight.size, springs.clearance[0])
             clearance[springs.body] = springs.clearance
         diameter = None if clearance is None else 2.0 * (float(springs[0].clearance) + float(springs[0].radius))
@@ -182,7 +182,7 @@ class Observer:
         return -self.links.springs.torsional * twist
 
     def _contact(self, frames: Any, q: np.ndarray) -> dict[str, np.ndarray]:
-        """Normal force and friction along and around the hole; in a vertical hole lump 0 touches nothing."""
+        """Normal force and friction along and around the hole; lump 0 touches nothing."""
         shape = q.shape[:2]
         out = {name: np.zeros(shape) for name in ("contact_force", "friction_force", "friction_around")}
         if self.contact is not None:

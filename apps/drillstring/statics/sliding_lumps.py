@@ -33,8 +33,7 @@ axis, where a vertical string comes to lie, finds its balance too slowly or not 
 
 
 class SlidingLumps:
-    """A lumped string that slides; its places are the lumps, and all touch the wall, in a hole that is vertical at the
-    table but for the one in the drive.
+    """A lumped string that slides; its places are the lumps, and all but the one in the drive touch the wall.
 
     Attributes
     ----------
@@ -55,7 +54,7 @@ class SlidingLumps:
         (self.contact,) = (g for g in system.groups if isinstance(g, WallContact))
         self.tributary = lumps.tributary
         top, bottom = lumps.reach
-        self.reach = top[self.contact.springs.body], bottom[self.contact.springs.body]
+        self.reach = top[1:], bottom[1:]
         self.bends = any(isinstance(g, Bends) for g in system.groups)
         self.braces: WallContact | None = None
         given = next((g for g in system.groups if isinstance(g, Loads)), Loads(np.zeros(0, np.int64), np.zeros(0)))
@@ -97,7 +96,7 @@ class SlidingLumps:
                 springs=springs, scratch=np.zeros_like(self.contact.scratch), kept=nothing_kept(springs.size)
             )
         before = self.braces.springs.stiffness.copy()
-        self.braces.springs.stiffness = self.spread(BRACED * spring / length)[self.contact.springs.body]
+        self.braces.springs.stiffness = self.spread(BRACED * spring / length)[1:]
         return not np.array_equal(before, self.braces.springs.stiffness)
 
     @property

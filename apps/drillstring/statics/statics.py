@@ -3,7 +3,7 @@
 The string is the dynamic model's, lump by lump or element by element, with its stretch, its clearance and its bending;
 only the law of friction is another (sliding.py). The block is set so that the bit is at the depth asked for: a string
 that hangs in a well is longer by its stretch. The bit carries its force along the hole and touches the wall as every
-lump does; the lump in the drive does so where the hole is inclined at the table.
+lump does; the lump in the drive does not.
 """
 
 from __future__ import annotations

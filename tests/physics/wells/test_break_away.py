@@ -77,7 +77,8 @@ def test_bit_in_a_slant_hole_moves_after_the_stroke_of_the_closed_form_within_0_
     bit = result["bit_depth"]
     assert np.abs(bit[: last - 5] - bit[0]).max() < 1e-7, "it does not creep"
     weight = mass_per_length() * GRAVITY * LENGTH
-    exact = weight * (np.cos(INCLINATION) - WAYS[way] * FRICTION * np.sin(INCLINATION))
+    touching = 1.0 - 0.5 / elements  # the half lump in the drive has no wall
+    exact = weight * (np.cos(INCLINATION) - WAYS[way] * FRICTION * touching * np.sin(INCLINATION))
     assert result["hook_load"][last] == pytest.approx(exact, rel=1e-3)
 
 

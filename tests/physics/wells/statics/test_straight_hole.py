@@ -31,8 +31,8 @@ def test_a_lump_slides_down_a_slant_hole_with_g_cos_less_mu_g_sin(friction):
 
 
 def test_a_lump_let_go_level_is_a_pendulum_of_quarter_period_k_of_one_half():
-    # exact: T/4 = K(m = 1/2) sqrt(L/g); free space, nothing lost; stretch of the steel is 6e-5 of the length
-    result = run(straight_hole(pi / 2, well__wall="none", start="straight", solver__end=7.0, solver__rho_inf=1.0))
+    # exact: T/4 = K(m = 1/2) sqrt(L/g); 500 m wide hole, nothing lost; stretch of the steel is 6e-5 of the length
+    result = run(straight_hole(pi / 2, diameter=500.0, start="straight", solver__end=7.0, solver__rho_inf=1.0))
     north, t = result["position"][:, -1, 0], result.time
     i = np.flatnonzero(north < 0.0)[0]
     lowest = t[i - 1] + (t[i] - t[i - 1]) * north[i - 1] / (north[i - 1] - north[i])
@@ -92,7 +92,8 @@ def slow(to):
 
 @pytest.mark.parametrize(("sense", "speed"), [(1.0, -0.1), (-1.0, 0.1)])
 def test_hook_load_of_a_string_moved_in_a_slant_hole_is_w_l_cos_plus_or_minus_mu_sin(sense, speed):
-    # exact whatever the number of elements: the half element at the top drive lies on the wall, too
+    # exact for lumps: the half element at the top drive touches nothing, and so takes no friction: (1 - 1/2n). Narrow
+    # hole, so that the top link, which comes off the axis, pulls the lump below it off the wall by 1e-4 of its weight
     n, length, mu, inclination = 10, 1000.0, 0.3, 1.0
     result = run(
         straight_hole(
@@ -104,38 +105,8 @@ def test_hook_load_of_a_string_moved_in_a_slant_hole_is_w_l_cos_plus_or_minus_mu
     share = (result["axial_velocity"][late][:, 1:] * -sense > 0.0).all()
     assert share, "all of the string moves"
     weight = steel() * GRAVITY * length
-    exact = weight * (cos(inclination) + sense * mu * sin(inclination))
+    exact = weight * (cos(inclination) + sense * mu * sin(inclination) * (1 - 0.5 / n))
     assert result["hook_load"][late] == pytest.approx(exact, rel=3e-4)
-
-
-@pytest.mark.parametrize("elements", [10, 20, 40])
-def test_a_string_turning_in_a_slant_hole_presses_and_takes_torque_as_all_of_its_length_does(elements):
-    # exact: N = w L sin(i) / sqrt(1 + mu^2), torque mu N R; without the half element at the drive 1/2n of it is missing
-    length, mu, inclination = 400.0, 0.35, pi / 4
-    result = run(
-        straight_hole(
-            inclination, length=length, elements=elements, friction=mu, solver__end=15.0, solver__step=2e-3,
-            top__rotation={"ramp": {"to": "60 rpm", "over": 2.0}},
-            damping={"translation": 3e4, "structural": 0.05}, output__interval=0.05,
-        )
-    )  # fmt: skip
-    late = result.time > 14.0
-    normal = steel() * GRAVITY * length * sin(inclination) / sqrt(1.0 + mu**2)
-    assert result["contact_force"][late].sum(axis=1) == pytest.approx(normal, rel=1e-3)
-    assert result["surface_torque"][late] == pytest.approx(mu * normal * RADIUS, rel=1e-3)
-
-
-def test_the_lump_in_the_drive_of_a_string_at_a_table_that_is_vertical_stays_on_the_axis():
-    build = [{"build": {"radius": 200.0, "to": pi / 3}}, {"hold": 100.0}]
-    result = run(
-        straight_hole(
-            0.0, length=200.0 * pi / 3 + 100.0, elements=8, friction=0.3, well__sections=build, solver__end=2.0,
-            **slow(-0.1),
-        )
-    )  # fmt: skip
-    assert (result["lateral_displacement"][:, 0] == 0.0).all()
-    assert (result["contact_force"][:, 0] == 0.0).all()
-    assert result["contact_force"][-1, 1:].max() > 0.0
 
 
 def test_a_rotating_lump_climbs_the_wall_to_the_angle_of_friction():
@@ -153,9 +124,9 @@ def test_a_rotating_lump_climbs_the_wall_to_the_angle_of_friction():
     weight = steel() * 50.0 * GRAVITY
     assert np.arctan2(east, down) == pytest.approx(atan(mu), rel=2e-3)
     normal = result["contact_force"][late, -1]
-    assert normal == pytest.approx(weight * cos(atan(mu)), rel=1e-3)
-    # the other half of the collar lies beside it, below the drive
-    assert result["surface_torque"][late] == pytest.approx(2.0 * mu * normal * RADIUS, rel=1e-3)
+    pull = result["tension"][late, 0] * np.hypot(east, down) / 100.0
+    assert normal == pytest.approx(weight * cos(atan(mu)) - pull, rel=1e-3)
+    assert result["surface_torque"][late] == pytest.approx(mu * normal * RADIUS, rel=1e-3)
 
 
 def test_surface_torque_of_steady_rotation_is_the_sum_of_friction_and_viscous_torques():
@@ -191,8 +162,8 @@ def drive(**limits):
     )  # fmt: skip
 
 
-FRICTION_TORQUE = 0.3 / sqrt(1.09) * steel() * 300.0 * GRAVITY * RADIUS
-"""Of all of the string, which touches with its whole weight."""
+FRICTION_TORQUE = 0.3 / sqrt(1.09) * steel() * 250.0 * GRAVITY * RADIUS
+"""Of the lumps below the drive, which touch with their whole weight."""
 
 
 def test_top_drive_under_control_reaches_its_speed_and_gives_the_friction_torque():
