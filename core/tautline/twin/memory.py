@@ -17,6 +17,7 @@ from tautline.twin.estimation.horizon import Sample
 from tautline.twin.estimation.log import Checkpoint, Logged
 from tautline.twin.estimation.passage import Passage
 from tautline.twin.forecast import Found
+from tautline.twin.operation import Blur
 from tautline.twin.packing import Packing, Unpacking, holds_gone
 from tautline.twin.restrictions import Departure
 from tautline.twin.signals.row import Row
@@ -25,8 +26,10 @@ if TYPE_CHECKING:
     from tautline.twin.estimation.family import Family
     from tautline.twin.twin import Twin
 
-RECORDS = (Active, Checkpoint, Departure, Found, Logged, Passage, Row, Sample, State)
-OF_TWIN = ("now", "unsettled", "unsure", "doubts", "rests", "paused", "restarts", "_ends", "_ends_told", "starved")
+RECORDS = (Active, Blur, Checkpoint, Departure, Found, Logged, Passage, Row, Sample, State)
+OF_TWIN = (
+    "now", "unsettled", "unsure", "doubts", "rests", "paused", "restarts", "_ends", "_ends_told", "starved", "blur",
+)  # fmt: skip
 OF_READINGS = ("zeros", "far", "stepped", "step_found", "rare_told")
 OF_ESTIMATE = (
     "from_rest", "_plain", "_passage", "_pending", "_gathered", "_slopes", "_bounce", "_steep", "_steep_at", "_begin",

@@ -165,7 +165,7 @@ class Horizon:
 
     MADE_ANEW = (
         "late", "unknowns", "channels", "window", "free", "start", "first_sd", "low", "high", "walk", "sd", "relative",
-        "bent", "blur", "blurs",
+        "bent",
     )  # fmt: skip
     """What another process has of the map, and need not keep."""
 
