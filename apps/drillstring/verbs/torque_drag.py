@@ -289,7 +289,7 @@ def _fitted(scene: DrillstringScene, path: Path | None, elements: int | None, as
 
 
 def _unread(path: Path | None, loads: Any) -> list[SceneWarning]:
-    """Warn of measured loads that stand for none, and of columns that are not read, with the loads that the fit is of."""
+    """Warn of measured loads that stand for none, of columns that are not read, and of the loads that the fit is of."""
     if path is None:
         return []
     told = []

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import degrees, pi, sqrt
+from math import ceil, degrees, pi, sqrt
 from typing import Any
 
 import numpy as np
@@ -69,6 +69,10 @@ HORIZONTAL = np.radians(75.0)
 MORE_THAN_THE_STRING = "is more than the string weighs along the hole"
 OF_THE_BOTTOM = ("weight", "torque", "penetration", "cutting", "rock", "slip_speed")
 """Keys of a bit that count on bottom only."""
+
+
+UNRUBBED = 0.01
+"""Share of the side force by weight from which it is told that the first half element has none."""
 
 
 def too_heavy(scene: DrillstringScene) -> str:
@@ -478,10 +482,29 @@ def _mesh(scene: DrillstringScene, ready: Prepared) -> Sentences:
         yield ELEMENTS, text
 
 
+def _first_half(scene: DrillstringScene, ready: Prepared) -> Sentences:
+    """A hole that is inclined at the table: the half element that hangs in the top drive there does not rub."""
+    if scene.model.kind == BEAM or scene.well.wall is None or not scene.well.wall.friction.kinetic:
+        return
+    lumps = ready.lumps
+    across = np.abs(lumps.of_lumps(lambda tube: buoyed_mass(scene, tube)))
+    across *= np.sin(ready.well.inclination(lumps.measured_depth))
+    share = float(across[0] / across.sum()) if across.sum() > 0.0 else 0.0
+    if share <= UNRUBBED:
+        return
+    count = ceil(lumps.length.size * share / UNRUBBED)
+    text = (
+        "the hole is inclined at the rotary table. The first half element of the string hangs in the top drive and has "
+        f"no contact with the wall. It has {100.0 * share:.2g} % of the side force by weight: torque and drag of a run "
+        f"lack as much. With {count} elements it is {100.0 * UNRUBBED:g} %"
+    )
+    yield ELEMENTS, text
+
+
 CHECKS: tuple[Check, ...] = (
     _steps, *OF_THE_HOLE, _upside_down, _floating, soft_wall, _friction, _block, _shoe,
     _past_the_shoe, _yielding, _relaxed, _off_bottom, _weight_on_bit, _torque_on_bit, _weak_drive, penetration,
-    _sticking, _chatter, _buckling, _led_to, _mesh,
+    _sticking, _chatter, _buckling, _led_to, _mesh, _first_half,
 )  # fmt: skip
 """What is looked at, in the order in which it is reported."""
 OF_A_RUN = frozenset(
@@ -498,6 +521,7 @@ OF_A_RUN = frozenset(
         _chatter,
         _buckling,
         _led_to,
+        _first_half,
     }
 )
 """Those of what the run of a scene does or does not show: its steps, its motions, and how the bit answers them."""

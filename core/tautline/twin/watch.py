@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from tautline.scene.values.printed import in_words, quantity, shown
+from tautline.scene.values.printed import Teller, in_words, quantity, shown
 from tautline.twin.alarms import CLEAR, NOT_KNOWN, Alarms, beyond, bound_said
 from tautline.twin.forecast import Found, extreme
 from tautline.twin.map.plan import Alarm, Plan

@@ -8,6 +8,8 @@ from physics.wells.strings import GRAVITY, E, run, straight_hole
 from physics.wells.strings import mass_per_length as steel
 from scipy.special import ellipk
 
+from drillstring.warnings.scene_warnings import warnings
+
 RADIUS = 0.165 / 2
 NO_SPRING = {"material__youngs_modulus": 1.0}
 """Steel so soft that the links pull with less than a millionth of the weight: lumps move freely along the hole."""
@@ -232,3 +234,21 @@ def test_axial_wave_of_a_stopped_block_swings_at_the_lumps_frequency():
     area = steel() / 7850.0
     exact = sqrt(E * area / 100.0 / (steel() * 50.0))
     assert 2 * pi / np.diff(t).mean() == pytest.approx(exact, rel=5e-3)
+
+
+@pytest.mark.parametrize("elements", [5, 20, 60])
+def test_the_side_force_that_the_first_half_element_lacks_is_told_where_the_hole_is_inclined_there(elements):
+    # w sin(i) h / 2 of w sin(i) L: 1 / (2 n), told from 1 % on; and the run lacks as much
+    scene = straight_hole(pi / 4, length=400.0, elements=elements, friction=0.3, solver__end=8.0)
+    told = [one.text for one in warnings(scene) if "inclined at the rotary table" in one.text]
+    assert len(told) == (elements < 50)
+    if told:
+        assert f"{100.0 / (2 * elements):.2g} % of the side force" in told[0]
+        assert "With 50 elements it is 1 %" in told[0]
+    pushed = run(scene)["contact_force"][-1].sum()
+    whole = steel() * 400.0 * GRAVITY * sin(pi / 4)
+    assert 1.0 - pushed / whole == pytest.approx(1.0 / (2 * elements), rel=0.02)
+
+
+def test_a_hole_that_is_vertical_at_the_table_is_not_told_of_its_first_half_element():
+    assert not any("rotary table" in one.text for one in warnings(straight_hole(0.0, friction=0.3)))
