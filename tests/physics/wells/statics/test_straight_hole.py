@@ -245,9 +245,14 @@ def test_the_side_force_that_the_first_half_element_lacks_is_told_where_the_hole
     if told:
         assert f"{100.0 / (2 * elements):.2g} % of the side force" in told[0]
         assert "With 50 elements it is 1 %" in told[0]
-    pushed = run(scene)["contact_force"][-1].sum()
+
+
+def test_a_run_lacks_the_side_force_that_is_told():
+    # of long elements; of short ones the pull towards the axis at the drive takes more
+    found = run(straight_hole(pi / 4, length=400.0, elements=5, friction=0.3, solver__end=8.0))
+    pushed = found["contact_force"][found.time > 4.0].sum(axis=1).mean()
     whole = steel() * 400.0 * GRAVITY * sin(pi / 4)
-    assert 1.0 - pushed / whole == pytest.approx(1.0 / (2 * elements), rel=0.02)
+    assert 1.0 - pushed / whole == pytest.approx(0.1, abs=2e-3)
 
 
 def test_a_hole_that_is_vertical_at_the_table_is_not_told_of_its_first_half_element():
