@@ -426,9 +426,9 @@ class Estimate:
 
     @property
     def shown(self) -> bool:
-        """Whether something is known of every unknown: the data have shown it, or the map gives it to a tenth."""
+        """Whether the data have shown something of every unknown."""
         h, n = self.horizon, len(self.plan.unknowns)
-        return bool(np.all(h.deviation[:n] < np.maximum(NOT_SHOWN * h.first_sd, TENTH * np.abs(h.mean))[:n]))
+        return bool(np.all(h.deviation[:n] < NOT_SHOWN * h.first_sd[:n]))
 
     @property
     def known(self) -> bool:

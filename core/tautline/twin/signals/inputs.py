@@ -71,6 +71,9 @@ GLITCH = 3
 NOISE_APART = 8.0
 """Standard deviations of the noise that two samples may be apart by."""
 
+LEADS = 0.1
+"""Longest time constant with which what is set comes to rest where samples are missing, s: half of a pause of 0.2 s."""
+
 
 class InputTrack:
     """One input: its state (value, rate, second rate) from row to row.
@@ -252,7 +255,7 @@ class InputTrack:
         """Take up what is known of the motion behind the last of samples (n,): none has come since.
 
         A place comes to rest as a machine does. A speed that is set stays: it leads on by no more than it has changed
-        between its last two readings, for what was set next nobody knows.
+        between its last two readings, and much less where these are far apart, for what was set next nobody knows.
         """
         past = times <= self.time + ONE_STAMP
         t, x = times[past], values[past]
@@ -260,7 +263,7 @@ class InputTrack:
             return
         left = self.state - self.shown if self.joining else np.zeros(3)
         self.state = np.array([self.state[0], *(motion_at_end(t, x, reach, self.noise) + left[1:])])
-        self._rest = min(REST, 0.5 * float(t[-1] - t[-2])) if self.channel.is_set and t.size > 1 else REST
+        self._rest = min(LEADS, 0.5 * float(t[-1] - t[-2])) if self.channel.is_set and t.size > 1 else REST
 
     def hold(self, time: float) -> np.ndarray:
         """State (3,) where there is no sample: what moves comes to rest."""
