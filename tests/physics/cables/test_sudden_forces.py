@@ -188,3 +188,9 @@ def test_a_run_that_keeps_every_step_states_the_error_of_its_force(verify, tmp_p
     force = run["end_force"][:, 0, 0]
     assert abs(force.max() - 2.0 * FORCE) < run.step_error["force"] * float(np.ptp(force)) + 0.002 * FORCE
     assert run.step_error["steps"] != (1e-3,) and 1e-3 not in run.step_error["steps"]
+
+
+def test_a_beam_without_axial_stiffness_has_no_front_that_rings():
+    """No wave runs along it, whose speed the warning would divide by."""
+    bent = bar().replace(f"EA: {EA}, EJ: 0", "EA: 0, EJ: 5")
+    assert not [one for one in Cable().warnings(parse(bent)) if "at once" in one.text]

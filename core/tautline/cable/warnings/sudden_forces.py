@@ -89,11 +89,11 @@ def _sudden(scene: CableScene) -> Iterator[tuple[Place, str]]:
 
 
 def _beside(scene: CableScene, nodes: dict[int, Node]) -> dict[int, list[_Along]]:
-    """Elements with mass at the nodes that have a force."""
+    """Elements along which waves run, at the nodes that have a force."""
     pushed = {node for part in scene.forces for node in part.nodes}
     found: dict[int, list[_Along]] = defaultdict(list)
     for element, length in zip(scene.elements, element_lengths(scene).tolist(), strict=True):
-        if pushed.isdisjoint(element.nodes) or element.rhoA == 0.0 or not length > 0.0:
+        if pushed.isdisjoint(element.nodes) or not min(element.rhoA, element.EA, length) > 0.0:
             continue
         a, b = element.nodes
         for node, other in ((a, b), (b, a)):
