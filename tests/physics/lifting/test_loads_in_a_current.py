@@ -83,21 +83,17 @@ def test_the_place_of_a_load_in_a_current_converges_with_the_square_of_the_mesh(
     assert errors[0] > 3.0 * errors[1] > 9.0 * errors[2]
 
 
-@pytest.mark.parametrize(("pushed", "profile"), [
-    (2.0e4, {"depth": [290.0, 310.0], "speed": [0.0, 1.0]}),
-    (6.0e4, {"depth": [290.0, 300.0], "speed": [0.0, 0.5]}),
-    (2.0e4, {"depth": [0.0, 250.0, 290.0, 400.0], "speed": [0.3, 0.5, 1.5, 0.4]}),
-])  # fmt: skip
-def test_a_load_hangs_where_the_current_grows_with_depth(pushed, profile, monkeypatch):
+@pytest.mark.parametrize(("pushed", "speeds"), [(6.0e4, [0.0, 0.5]), (2.0e4, [0.0, 1.0]), (4.0e3, [0.0, 2.0])])
+def test_a_load_hangs_where_the_current_grows_with_depth(pushed, speeds, monkeypatch):
     """There the further down it hangs the harder it is pushed: without the change of the current no start was found."""
-    monkeypatch.setitem(PROFILE, "depth", profile["depth"])
-    monkeypatch.setitem(PROFILE, "speed", profile["speed"])
-    monkeypatch.setitem(PROFILE, "direction", [0.4] * len(profile["depth"]))
-    monkeypatch.setattr("physics.lifting.test_loads_in_a_current.PUSHED", pushed)
-    found = ran(hanging({"profile": profile, "direction": 0.4}, drawn=-295.0))
-    top, tension = from_the_load_up(found["body_position"][0, 0], length_of(found))
-    assert top == pytest.approx(np.zeros(3), abs=0.05)
-    assert found["tension"][0, 0, 0] == pytest.approx(tension, rel=1e-4)
+    profile = {"depth": [100.0, 110.0], "speed": speeds, "direction": [0.4, 0.4]}
+    monkeypatch.setitem(globals(), "PROFILE", profile)
+    monkeypatch.setitem(globals(), "PUSHED", pushed)
+    found = ran(hanging({"profile": profile}, drawn=-105.0))
+    load = found["body_position"][0, 0]
+    top, tension = from_the_load_up(load, length_of(found))
+    assert top == pytest.approx(np.zeros(3), abs=0.1) and np.hypot(*load[:2]) > 5.0
+    assert found["tension"][0, 0, 0] == pytest.approx(tension, rel=1e-3)
 
 
 @pytest.mark.parametrize("case", ["waves", "current"])
